@@ -1,0 +1,25 @@
+#pragma once
+/// \file Points, directions and boxes in space. Lengths are in the unit of the caller's data.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+
+namespace vasohex {
+
+using Vec3 = Eigen::Vector3d;
+
+/// Axis-parallel box; empty until the first point is added.
+struct Box {
+  Vec3 min = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 max = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void add(const Vec3& p) {
+    min = min.cwiseMin(p);
+    max = max.cwiseMax(p);
+  }
+  bool empty() const { return !(min.array() <= max.array()).all(); }
+  double diagonal() const { return empty() ? 0.0 : (max - min).norm(); }
+};
+
+}  // namespace vasohex

@@ -1,0 +1,25 @@
+#pragma once
+/// \file A lumen as the set of points where a function is negative.
+
+#include <optional>
+
+#include "vasohex/core/vec3.h"
+
+namespace vasohex {
+
+/// Const and thread-safe. Lengths are in the unit of the points given.
+class ImplicitSurface {
+ public:
+  virtual ~ImplicitSurface() = default;
+
+  /// Value at x: < 0 inside, 0 on the surface, > 0 outside. Near the surface |value| / |gradient| is the distance.
+  virtual double value(const Vec3& x) const = 0;
+
+  /// The same value; `gradient` receives its gradient, which points outward.
+  virtual double value(const Vec3& x, Vec3& gradient) const = 0;
+
+  /// Radius of the vessel around x: the length that tolerances and trust regions relate to. > 0.
+  virtual double radius(const Vec3& x) const = 0;
+};
+
+}  // namespace vasohex
