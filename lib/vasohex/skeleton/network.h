@@ -12,11 +12,11 @@ namespace vasohex {
 /// The axis of a vessel: samples along a C2 curve, dense enough that chords stand for the curve (spacing <= 0.5 r and
 /// <= 0.25 / curvature).
 struct Branch {
-  std::array<int, 2> nodes{};    ///< where it starts and ends; equal for a loop
-  std::vector<Vec3> points;      ///< [k >= 2], from nodes[0] to nodes[1], both included
-  std::vector<double> radii;     ///< [k] > 0
-  std::vector<Vec3> tangents;    ///< [k], unit, along the curve
-  std::vector<double> arc;       ///< [k], arc length from the start, arc[0] = 0, increasing
+  std::array<int, 2> nodes{};  ///< where it starts and ends; equal for a loop
+  std::vector<Vec3> points;    ///< [k >= 2], from nodes[0] to nodes[1], both included
+  std::vector<double> radii;   ///< [k] > 0
+  std::vector<Vec3> tangents;  ///< [k], unit, along the curve
+  std::vector<double> arc;     ///< [k], arc length from the start, arc[0] = 0, increasing
   double length() const { return arc.back(); }
 };
 

@@ -1,0 +1,26 @@
+#pragma once
+/// \file From a network and its surface to blocks.
+
+#include "vasohex/blocks/block_structure.h"
+#include "vasohex/core/run.h"
+#include "vasohex/skeleton/network.h"
+#include "vasohex/surface/implicit_surface.h"
+
+namespace vasohex {
+
+struct BlockOptions {
+  double block_length = 2.0;   ///< of a branch's blocks, in local radii
+  int candidates = 3;          ///< assignments of a junction's branches to the cube's faces that are tried
+  double good_jacobian = 0.5;  ///< scaled Jacobian that ends the search, if certified
+};
+
+/// Lengthens branches whose free end lies inside the junction they come from, so that a cap fits; one line per branch
+/// in network.repairs. To be called before the surface is made.
+void clear_ends(Network& network);
+
+/// Cross-sections along the branches, cubes at the junctions, optimised. Blocks may come out invalid: see `certified`.
+/// Throws Error(bad_input) for junctions of more than 6 branches, naming the node and its place.
+BlockStructure build_blocks(const Network& network, const ImplicitSurface& surface, const BlockOptions& options,
+                            const Run& run);
+
+}  // namespace vasohex

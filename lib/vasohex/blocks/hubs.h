@@ -1,0 +1,30 @@
+#pragma once
+/// \file Which junctions of a network stand alone, which are linked, and where their branches are cut off.
+
+#include <vector>
+
+#include "vasohex/blocks/junction.h"
+#include "vasohex/skeleton/network.h"
+#include "vasohex/surface/implicit_surface.h"
+
+namespace vasohex {
+
+/// Junctions linked to each other, directly or through others.
+using Cluster = std::vector<Hub>;
+
+/// All clusters of the network, in the order of their first node. Caps lie where the surface around the branch is a tube
+/// again; branches too short for two caps become links.
+std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface);
+
+/// Distance along each branch end at `node` at which the other branches leave room for a cap, by cap_distance.
+/// [branch ends at the node], in the order of branch_ends().
+std::vector<double> cap_distances(const Network& network, int node);
+
+struct BranchEnd {
+  int branch = 0;
+  int end = 0;  ///< 0: the branch starts here, 1: it ends here
+};
+/// The branch ends at each node of the network, in the order of the branches.
+std::vector<std::vector<BranchEnd>> branch_ends(const Network& network);
+
+}  // namespace vasohex

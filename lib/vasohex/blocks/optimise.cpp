@@ -1,0 +1,370 @@
+#include "vasohex/blocks/optimise.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numeric>
+
+#include "vasohex/blocks/polynomial_blocks.h"
+#include "vasohex/quality/validity.h"
+
+namespace vasohex {
+namespace {
+
+double dot(const Points& a, const Points& b) { return (a.array() * b.array()).sum(); }
+double largest_row(const Points& a) { return std::sqrt(a.rowwise().squaredNorm().maxCoeff()); }
+
+/// Calls f(node a, node b, weight) for every lattice edge of a finite-volume Laplacian on the Gauss-Lobatto lattice with
+/// the blocks' target lengths.
+template <class F>
+void for_laplacian_edges(const PolynomialBlocks& blocks, F&& f) {
+  const int q = blocks.degree(), n = q + 1;
+  const std::vector<double>& t = blocks.nodes_1d();
+  std::vector<double> width(n, 0.0);
+  for (int i = 0; i < q; ++i) {
+    width[i] += 0.5 * (t[i + 1] - t[i]);
+    width[i + 1] += 0.5 * (t[i + 1] - t[i]);
+  }
+  const std::array<int, 3> stride{1, n, n * n};
+  for (int b = 0; b < blocks.block_count(); ++b) {
+    for (int at = 0; at < n * n * n; ++at) {
+      const std::array<int, 3> ijk{at % n, at / n % n, at / n / n};
+      for (int d = 0; d < 3; ++d) {
+        if (ijk[d] < q) {
+          const double length = blocks.lengths()[b][d];
+          const double weight = width[ijk[(d + 1) % 3]] * width[ijk[(d + 2) % 3]] /
+                                ((t[ijk[d] + 1] - t[ijk[d]]) * length * length * blocks.block_count());
+          f(blocks.id(b, at), blocks.id(b, at + stride[d]), weight);
+        }
+      }
+    }
+  }
+}
+
+/// Approximate inverse of the energy's Hessian: the inverse Laplacian at degree 2; above, that between interpolations
+/// plus a damped Jacobi step (two levels).
+class Preconditioner {
+ public:
+  Preconditioner(const PolynomialBlocks& blocks, const BlockProblem& problem, const BlockTopology& topology) {
+    PolynomialBlocks coarse(problem, topology, 2);
+    coarse.adopt_lengths(blocks);
+    factorise(coarse);
+    if (blocks.degree() == 2) {
+      return;
+    }
+    const int n = blocks.degree() + 1;
+    const std::vector<double> values = lagrange_values(coarse.nodes_1d(), blocks.nodes_1d());
+    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<char> done(blocks.x.rows(), 0);
+    for (int b = 0; b < blocks.block_count(); ++b) {
+      for (int at = 0; at < n * n * n; ++at) {
+        const int node = blocks.id(b, at);
+        if (done[node] || blocks.kinds()[node] == NodeKind::fixed) {
+          continue;
+        }
+        done[node] = 1;
+        for (int c = 0; c < 27; ++c) {
+          const double w =
+              values[at % n * 3 + c % 3] * values[at / n % n * 3 + c / 3 % 3] * values[at / n / n * 3 + c / 9];
+          const int below = coarse.id(b, c);
+          if (std::abs(w) > 1e-13 && coarse.kinds()[below] != NodeKind::fixed) {
+            entries.emplace_back(node, below, w);
+          }
+        }
+      }
+    }
+    interpolation_.resize(blocks.x.rows(), coarse.x.rows());
+    interpolation_.setFromTriplets(entries.begin(), entries.end());
+    restriction_ = interpolation_.transpose();
+    jacobi_ = Eigen::VectorXd::Zero(blocks.x.rows());
+    for_laplacian_edges(blocks, [&](int a, int b, double w) {
+      jacobi_[a] += w;
+      jacobi_[b] += w;
+    });
+    for (int i = 0; i < jacobi_.size(); ++i) {
+      jacobi_[i] = blocks.kinds()[i] == NodeKind::fixed ? 0.0 : 0.5 / jacobi_[i];
+    }
+  }
+
+  Points apply(const Points& g) const {
+    if (jacobi_.size() == 0) {
+      return solver_.solve(g);
+    }
+    const Points below = solver_.solve(Points(restriction_ * g));
+    Points z = interpolation_ * below;
+    z += jacobi_.asDiagonal() * g;
+    return z;
+  }
+
+ private:
+  void factorise(const PolynomialBlocks& blocks) {
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto& kinds = blocks.kinds();
+    double scale = 0;
+    for_laplacian_edges(blocks, [&](int a, int b, double w) {
+      const bool fixed_a = kinds[a] == NodeKind::fixed, fixed_b = kinds[b] == NodeKind::fixed;
+      scale = std::max(scale, w);
+      if (!fixed_a) {
+        entries.emplace_back(a, a, w);
+      }
+      if (!fixed_b) {
+        entries.emplace_back(b, b, w);
+      }
+      if (!fixed_a && !fixed_b) {
+        entries.emplace_back(std::max(a, b), std::min(a, b), -w);
+      }
+    });
+    // blocks without any section would leave the Laplacian singular
+    for (int i = 0; i < blocks.x.rows(); ++i) {
+      entries.emplace_back(i, i, kinds[i] == NodeKind::fixed ? scale : 1e-6 * scale);
+    }
+    Eigen::SparseMatrix<double> matrix(blocks.x.rows(), blocks.x.rows());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    solver_.compute(matrix);
+  }
+
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> interpolation_, restriction_;
+  Eigen::VectorXd jacobi_;
+};
+
+/// L-BFGS with memory 10 [Nocedal & Wright, alg. 7.4] in the tangent space of the wall; every trial is retracted. Stops
+/// when the energy falls by less than `tolerance` (relative) four times in a row. Returns the iterations done.
+int minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, const EnergyTerms& terms, int iterations,
+             double tolerance) {
+  constexpr std::size_t kMemory = 10;
+  const double longest_step = 0.15 * blocks.mean_length();
+  Points gradient, trial, trial_gradient;
+  blocks.retract(blocks.x);
+  Energy e = blocks.energy(blocks.x, terms, &gradient);
+  std::deque<Points> moves, changes;
+  std::deque<double> rho;
+  double scale = 1;
+  int stalls = 0, done = 0;
+  for (; done < iterations; ++done) {
+    Points p = -gradient;
+    std::vector<double> alpha(moves.size());
+    for (std::size_t i = moves.size(); i-- > 0;) {
+      alpha[i] = rho[i] * dot(moves[i], p);
+      p -= alpha[i] * changes[i];
+    }
+    p = preconditioner.apply(p);
+    blocks.make_tangential(p);
+    p *= moves.empty() ? 0.1 * blocks.mean_length() / std::max(1e-300, largest_row(p)) : scale;
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      p += (alpha[i] - rho[i] * dot(changes[i], p)) * moves[i];
+    }
+    const auto forget = [&] {
+      moves.clear();
+      changes.clear();
+      rho.clear();
+    };
+    const double slope = dot(gradient, p);
+    if (!(slope < 0)) {
+      if (moves.empty()) {
+        break;
+      }
+      forget();
+      continue;
+    }
+    double step = std::min(1.0, longest_step / largest_row(p));
+    const Points normals = blocks.normals();
+    bool accepted = false;
+    Energy next;
+    for (int trials = 0; trials < 12 && !accepted; ++trials) {
+      trial = blocks.x + step * p;
+      blocks.retract(trial);
+      next = blocks.energy(trial, terms, &trial_gradient);
+      accepted = std::isfinite(next.value) && next.value < e.value + 1e-4 * step * slope;
+      if (!accepted) {
+        step *= 0.4;
+      }
+    }
+    if (!accepted) {
+      blocks.set_normals(normals);
+      if (moves.empty()) {
+        break;
+      }
+      forget();
+      continue;
+    }
+    Points move = trial - blocks.x, change = trial_gradient - gradient;
+    const double curvature = dot(move, change);
+    if (curvature > 1e-14 * move.norm() * change.norm()) {
+      if (done <= 3 || done % 4 == 0) {  // the scale changes slowly, and costs an application
+        Points h = preconditioner.apply(change);
+        blocks.make_tangential(h);
+        scale = curvature / std::max(1e-300, dot(change, h));
+      }
+      moves.push_back(std::move(move));
+      changes.push_back(std::move(change));
+      rho.push_back(1 / curvature);
+      if (moves.size() > kMemory) {
+        moves.pop_front();
+        changes.pop_front();
+        rho.pop_front();
+      }
+    }
+    stalls = e.value - next.value < tolerance * std::abs(e.value) ? stalls + 1 : 0;
+    blocks.x = trial;
+    gradient = trial_gradient;
+    e = next;
+    if (stalls > 3) {
+      ++done;
+      break;
+    }
+  }
+  return done;
+}
+
+/// Epsilon of chi from the worst determinant: large while blocks are folded, small once they are not.
+double epsilon_for(double min_det) {
+  if (min_det > 0.05) {
+    return 1e-3;
+  }
+  const double folded = std::min(0.0, min_det);
+  const double epsilon = std::sqrt(1e-5 + 0.04 * folded * folded);
+  return min_det <= 0 ? std::max(epsilon, 0.02) : epsilon;
+}
+
+class Optimiser {
+ public:
+  Optimiser(const BlockProblem& problem)
+      : problem_(problem),
+        topology_(build_topology(static_cast<int>(problem.vertices.size()), problem.blocks)),
+        blocks_(problem, topology_, 2) {}
+
+  BlockSolution run() {
+    blocks_.place();
+    untangle();
+    stage(2, 5, 8, 20);
+    stage(3, 5, 8, 20);
+    stage(kBlockDegree, 7, 16, 40);
+    BlockSolution solution = judge_blocks(blocks_.block_nodes());
+    for (int repair = 0; repair < 2 && !solution.certified; ++repair) {
+      stage(kBlockDegree, 9, 16, 25);
+      BlockSolution next = judge_blocks(blocks_.block_nodes());
+      if (next.certified || next.min_jacobian > solution.min_jacobian) {
+        solution = std::move(next);
+      }
+    }
+    solution.iterations = iterations_;
+    return solution;
+  }
+
+ private:
+  Energy measure(const EnergyTerms& terms) {
+    blocks_.retract(blocks_.x);
+    return blocks_.energy(blocks_.x, terms, nullptr);
+  }
+
+  int minimise_here(const EnergyTerms& terms, int iterations, double tolerance) {
+    const Preconditioner preconditioner(blocks_, problem_, topology_);
+    const int done = minimise(blocks_, preconditioner, terms, iterations, tolerance);
+    iterations_ += done;
+    return done;
+  }
+
+  /// Degree 2, from the placed nodes or from 15 Laplace sweeps, whichever has the lower energy, until det T > .02.
+  void untangle() {
+    EnergyTerms terms;
+    terms.tables = equispaced_tables(blocks_.nodes_1d(), 5);
+    terms.epsilon = 0.1;
+    const Points placed = blocks_.x;
+    const Energy start = measure(terms);
+    if (start.min_det <= 0.02) {
+      blocks_.smooth(15);
+      if (!(measure(terms).value < start.value)) {
+        blocks_.x = placed;
+      }
+    }
+    for (int round = 0; round < 12; ++round) {
+      const double min_det = measure(terms).min_det;
+      if (min_det > 0.02 && round >= 1) {
+        break;
+      }
+      terms.epsilon = epsilon_for(min_det);
+      if (round == 5 || round == 9) {
+        blocks_.update_lengths();
+      }
+      minimise_here(terms, 25, 1e-4);
+    }
+    blocks_.update_lengths();
+  }
+
+  /// Lifts the blocks to `degree`, unfolds what that folded, then raises the worst scaled Jacobians.
+  void stage(int degree, int samples, int power, int iterations) {
+    if (degree > blocks_.degree()) {
+      blocks_ = blocks_.elevated(degree);
+    }
+    EnergyTerms terms;
+    terms.tables = equispaced_tables(blocks_.nodes_1d(), samples);
+    Energy now = measure(terms);
+    for (int round = 0; round < 4 && now.min_det < 0.01; ++round) {
+      terms.epsilon = std::sqrt(1e-4 + 0.04 * now.min_det * now.min_det);
+      minimise_here(terms, 20, 3e-4);
+      now = measure(terms);
+    }
+    const double folded = std::min(0.0, now.min_det);
+    terms.epsilon = now.min_det > 0.01 ? 1e-3 : std::sqrt(1e-4 + 0.04 * folded * folded);
+    terms.shape_weight = 0.02;
+    terms.jacobian_weight = 1;
+    terms.power = power;
+    terms.jacobian_goal = std::min(0.75, std::max(now.min_jacobian + 0.1, -0.5));
+    minimise_here(terms, iterations, 3e-4);
+  }
+
+  const BlockProblem& problem_;
+  BlockTopology topology_;
+  PolynomialBlocks blocks_;
+  int iterations_ = 0;
+};
+
+}  // namespace
+
+double least_jacobian(const std::vector<Vec3>& nodes) {
+  const int n = kBlockDegree + 1;
+  const std::vector<double> gauss = family_nodes(NodeFamily::gauss_lobatto, kBlockDegree);
+  const SampleTables tables = equispaced_tables(gauss, 9);
+  std::vector<int> ids(nodes.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  const std::size_t blocks = nodes.size() / (n * n * n);
+  // scaled Jacobians do not depend on the scale, but the kernel's guard against zero lengths does
+  std::vector<double> inverse_length(3 * blocks);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double size = (nodes[(b + 1) * n * n * n - 1] - nodes[b * n * n * n]).norm();
+    std::fill_n(inverse_length.begin() + 3 * b, 3, size > 0 ? 1 / size : 1.0);
+  }
+  kernel::DistortionInput in;
+  in.degree = kBlockDegree;
+  in.samples = tables.samples;
+  in.value = tables.value.data();
+  in.slope = tables.slope.data();
+  in.blocks = static_cast<int>(blocks);
+  in.ids = ids.data();
+  in.nodes = nodes.data()->data();
+  in.inverse_length = inverse_length.data();
+  return kernel::distortion(in, nullptr).min_jacobian;
+}
+
+BlockSolution judge_blocks(std::vector<Vec3> nodes) {
+  BlockSolution s;
+  s.min_jacobian = least_jacobian(nodes);
+  std::vector<int> ids(nodes.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  Run serial;
+  serial.threads = 1;  // junctions are solved side by side
+  s.certified = s.min_jacobian > 0;
+  if (s.certified) {
+    for (const Validity& v : certify(kBlockDegree, NodeFamily::gauss_lobatto, nodes, ids, serial)) {
+      s.certified = s.certified && v.state == ValidityState::certified;
+    }
+  }
+  s.nodes = std::move(nodes);
+  return s;
+}
+
+BlockSolution optimise_blocks(const BlockProblem& problem) { return Optimiser(problem).run(); }
+
+}  // namespace vasohex

@@ -1,0 +1,58 @@
+#pragma once
+/// \file Polynomial blocks between fixed cross-sections and a wall, moved until they are valid and well shaped.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "vasohex/blocks/cross_section.h"
+#include "vasohex/core/vec3.h"
+#include "vasohex/surface/implicit_surface.h"
+
+namespace vasohex {
+
+/// Degree of the blocks' polynomials; their control points are the values at the Gauss-Lobatto nodes.
+inline constexpr int kBlockDegree = 4;
+inline constexpr int kBlockNodes = (kBlockDegree + 1) * (kBlockDegree + 1) * (kBlockDegree + 1);
+
+/// Blocks to optimise. Faces of one block are wall unless they are listed in `sections`.
+struct BlockProblem {
+  /// A face that stays a cross-section. On face 4 or 5 (k = 0 or 1) the quad's (u, v) are the block's (i, j).
+  struct Section {
+    int block = 0;
+    int face = 5;
+    int quad = 0;
+    SectionFrame frame;
+  };
+  /// Where the rays that place a block's wall nodes at the start come from: the nearest point of `axis`; from `centre`
+  /// where blocks of several axes meet or the axis is empty.
+  struct Aim {
+    std::vector<Vec3> axis;
+    Vec3 centre = Vec3::Zero();
+  };
+  const ImplicitSurface* surface = nullptr;
+  std::vector<Vec3> vertices;
+  std::vector<std::array<int, 8>> blocks;
+  std::vector<Section> sections;
+  std::vector<Aim> aims;
+  std::vector<int> block_aim;  ///< [blocks]
+};
+
+struct BlockSolution {
+  std::vector<Vec3> nodes;   ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
+  double min_jacobian = -1;  ///< least scaled Jacobian on an equispaced lattice of 9^3 points a block
+  bool certified = false;    ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
+  int iterations = 0;
+};
+
+/// The recipe of docs/design.md: untangle at degree 2, then degrees 2, 3, 4 with rising weight on the worst scaled
+/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; then certify. Deterministic.
+BlockSolution optimise_blocks(const BlockProblem& problem);
+
+/// Control points [blocks][kBlockNodes] judged as they are: min_jacobian and certificate.
+BlockSolution judge_blocks(std::vector<Vec3> nodes);
+
+/// The least scaled Jacobian alone.
+double least_jacobian(const std::vector<Vec3>& nodes);
+
+}  // namespace vasohex

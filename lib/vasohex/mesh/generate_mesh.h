@@ -1,0 +1,30 @@
+#pragma once
+/// \file From graded blocks and the surface to the mesh of order p.
+
+#include "vasohex/blocks/block_structure.h"
+#include "vasohex/core/run.h"
+#include "vasohex/grading/sheets.h"
+#include "vasohex/mesh/hex_mesh.h"
+#include "vasohex/surface/implicit_surface.h"
+
+namespace vasohex {
+
+struct MeshOptions {
+  int order = 1;
+  NodeFamily family = NodeFamily::equispaced;
+};
+
+struct MeshResult {
+  HexMesh mesh;
+  double wall_residual_max = 0;  ///< largest distance of a wall node to the surface, over the local radius
+  int unconverged = 0;           ///< wall nodes whose projection did not converge (they stay where the block has them)
+  int shrunk_lines = 0;          ///< lines towards the wall too short for the layers asked for
+};
+
+/// Evaluates the blocks at the nodes of the graded lattice; wall nodes are projected onto the surface (those on an end:
+/// within its plane) and the shift fades linearly along the line to the core. The same bytes for any number of threads.
+/// Throws Error(bad_input) for an order < 1.
+MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topology, const Sheets& sheets,
+                         const ImplicitSurface& surface, const MeshOptions& options, const Run& run);
+
+}  // namespace vasohex

@@ -1,0 +1,219 @@
+#include "vasohex/skeleton/smooth_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vasohex {
+namespace {
+
+// Noise of standard deviation s at spacing h leaves, after smoothing over a length l, curvature noise of variance
+// c s^2 h / l^5 and slope noise of variance c s^2 h / l^3, c = 1 / (8 sqrt 2): l follows from what may be left.
+constexpr double kNoise = 0.088388;
+constexpr double kCurvatureNoise = 0.05;  // times 1 / radius
+constexpr double kSlopeNoise = 0.03;      // of the radius per length
+constexpr double kLongestAxis = 1.0;      // smoothing lengths at most, in radii
+constexpr double kLongestRadius = 2.0;
+constexpr double kMoveAtBend = 0.75;   // the same where a bend is sharper than a tube allows
+constexpr double kMove = 0.2;          // largest displacement, in radii
+constexpr double kRadiusChange = 0.2;  // largest relative change
+constexpr double kSharp = 0.87;        // curvature times radius from which bends are softened
+constexpr double kSlope = 0.75;        // steepest change of the radius per length
+
+/// 1 for spacings below 0.75 radii, falling to 0 at 1.25: sparser points are meant, not sampled.
+double dense(double spacing_over_radius) {
+  const double u = std::clamp((1.25 - spacing_over_radius) / 0.5, 0.0, 1.0);
+  return u * u * (3 - 2 * u);
+}
+
+/// Lengths from each knot to the one before and after; infinite beyond the ends of an open path.
+struct Gaps {
+  double before = std::numeric_limits<double>::infinity();
+  double after = std::numeric_limits<double>::infinity();
+  double mean() const { return std::isinf(before) ? after : std::isinf(after) ? before : (before + after) / 2; }
+};
+
+Gaps gaps(const std::vector<double>& t, int n, bool closed, int i) {
+  Gaps g;
+  if (i > 0 || closed) {
+    g.before = i > 0 ? t[i] - t[i - 1] : t[n] - t[n - 1];
+  }
+  if (i < n - 1 || closed) {
+    g.after = t[i + 1] - t[i];
+  }
+  return g;
+}
+
+/// Solves with ever less compliance where a value moves more than allowed. excess(values, i): move / allowed move.
+template <class Excess>
+Smoothed smooth_within(const KnotData& data, std::vector<double> compliance, const Excess& excess) {
+  const int n = static_cast<int>(compliance.size());
+  constexpr int rounds = 30;
+  for (int round = 0;; ++round) {
+    Smoothed fit = smooth(data, compliance);
+    std::vector<double> factor(n, 1.0);
+    bool within = true;
+    for (int i = 0; i < n; ++i) {
+      if (const double e = excess(fit.values, i); e > 1) {
+        within = false;
+        for (int k = -2; k <= 2; ++k) {
+          const int j = data.closed ? ((i + k) % n + n) % n : std::clamp(i + k, 0, n - 1);
+          factor[j] = std::min(factor[j], round + 2 < rounds ? 0.7 / e : 0.0);
+        }
+      }
+    }
+    if (within) {
+      return fit;
+    }
+    if (round == rounds) {
+      std::fill(factor.begin(), factor.end(), 0.0);
+    }
+    for (int i = 0; i < n; ++i) {
+      compliance[i] *= factor[i];
+    }
+  }
+}
+
+SpaceSpline spline_through(const KnotData& data, const Smoothed& fit) {
+  const int n = static_cast<int>(data.values.rows());
+  SpaceSpline spline{data.t, {}, {}};
+  for (int i = 0; i < static_cast<int>(data.t.size()); ++i) {
+    spline.points.push_back(fit.values.row(i % n).transpose());
+    spline.derivatives.push_back(fit.second.row(i % n).transpose());
+  }
+  return spline;
+}
+
+/// Largest curvature at five places of each piece of a spline; one entry per piece.
+std::vector<double> piece_curvature(const SpaceSpline& spline) {
+  std::vector<double> result;
+  for (std::size_t k = 0; k + 1 < spline.t.size(); ++k) {
+    double largest = 0;
+    for (int i = 0; i <= 4; ++i) {
+      largest = std::max(largest, curvature(spline.at(k, spline.t[k] + (spline.t[k + 1] - spline.t[k]) * i / 4)));
+    }
+    result.push_back(largest);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<double> polyline_length(const std::vector<Vec3>& points, bool closed) {
+  std::vector<double> t{0};
+  for (std::size_t i = 1; i < points.size() + (closed ? 1 : 0); ++i) {
+    t.push_back(t.back() + (points[i % points.size()] - points[i - 1]).norm());
+  }
+  return t;
+}
+
+std::vector<double> smooth_radii(const std::vector<double>& t, const std::vector<double>& radii, bool closed) {
+  const int n = static_cast<int>(radii.size());
+  KnotData data{t, Eigen::MatrixXd(n, 1), closed};
+  for (int i = 0; i < n; ++i) {
+    data.values(i, 0) = std::log(radii[i]);  // relative changes count, and every result is positive
+  }
+  const std::vector<double> noise = noise_level(data);
+  std::vector<double> compliance(n);
+  for (int i = 0; i < n; ++i) {
+    const Gaps g = gaps(t, n, closed, i);
+    const double r = radii[i], h = g.mean();
+    const double length =
+        std::min(std::cbrt(kNoise * std::pow(noise[i] * r / kSlopeNoise, 2) * h), kLongestRadius * r);
+    compliance[i] = std::pow(length, 4) / h * dense(std::min(g.before, g.after) / r);
+  }
+  const Smoothed fit = smooth_within(data, compliance, [&](const Eigen::MatrixXd& values, int i) {
+    return std::abs(values(i, 0) - data.values(i, 0)) / std::log1p(kRadiusChange);
+  });
+  std::vector<double> result(n);
+  for (int i = 0; i < n; ++i) {
+    result[i] = std::exp(fit.values(i, 0));
+  }
+  return result;
+}
+
+std::vector<double> limit_slope(const std::vector<double>& t, std::vector<double> radii, bool closed) {
+  const int n = static_cast<int>(radii.size());
+  const int steps = closed ? 2 * n : n;  // twice around a closed path reaches every knot from every other
+  for (int k = 1; k < steps; ++k) {
+    const int i = k % n, before = (k - 1) % n;
+    radii[i] = std::min(radii[i], radii[before] + kSlope * gaps(t, n, closed, i).before);
+  }
+  for (int k = steps - 2; k >= 0; --k) {
+    const int i = k % n, after = (k + 1) % n;
+    radii[i] = std::min(radii[i], radii[after] + kSlope * gaps(t, n, closed, i).after);
+  }
+  return radii;
+}
+
+SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& radii) {
+  const int n = static_cast<int>(path.points.size());
+  KnotData data{polyline_length(path.points, path.closed), Eigen::MatrixXd(n, 3), path.closed};
+  for (int i = 0; i < n; ++i) {
+    data.values.row(i) = path.points[i].transpose();
+  }
+  std::vector<bool> bends(n, false);
+  const auto moved_too_far = [&](const Eigen::MatrixXd& values, int i) {
+    return (values.row(i) - data.values.row(i)).norm() / ((bends[i] ? kMoveAtBend : kMove) * radii[i]);
+  };
+  Smoothed fit;
+  std::vector<double> compliance(n, 0.0);
+  // noise makes the polyline longer than the curve: the second pass measures along the first one's result
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<double> noise = noise_level(data);
+    for (int i = 0; i < n; ++i) {
+      if (!path.fixed[i]) {
+        const Gaps g = gaps(data.t, n, path.closed, i);
+        const double r = radii[i], h = g.mean();
+        const double length =
+            std::min(std::pow(kNoise * std::pow(noise[i] * r / kCurvatureNoise, 2) * h, 0.2), kLongestAxis * r);
+        compliance[i] = std::pow(length, 4) / h * dense(std::min(g.before, g.after) / r);
+      }
+    }
+    fit = smooth_within(data, compliance, moved_too_far);
+    if (pass == 0) {
+      std::vector<Vec3> smoothed(n);
+      for (int i = 0; i < n; ++i) {
+        smoothed[i] = fit.values.row(i).transpose();
+      }
+      const std::vector<double> before = data.t, after = polyline_length(smoothed, path.closed);
+      for (std::size_t i = 1; i < data.t.size(); ++i) {
+        // knots must stay apart
+        data.t[i] = data.t[i - 1] + std::max(after[i] - after[i - 1], 1e-2 * (before[i] - before[i - 1]));
+      }
+    }
+  }
+  // Bends sharper than a tube allows are softened as far as the points may move
+  SpaceSpline spline = spline_through(data, fit);
+  for (int round = 0; round < 12; ++round) {
+    const std::vector<double> bent = piece_curvature(spline);
+    std::vector<bool> soften(n, false);
+    for (int k = 0; k < static_cast<int>(bent.size()); ++k) {
+      if (bent[k] * std::min(radii[k], radii[(k + 1) % n]) > kSharp) {
+        for (int i = k - 1; i <= k + 2; ++i) {
+          const int j = data.closed ? (i + n) % n : std::clamp(i, 0, n - 1);
+          soften[j] = !path.fixed[j];
+        }
+      }
+    }
+    for (int i = 0; i < n; ++i) {
+      if (soften[i]) {
+        compliance[i] = std::max(3 * compliance[i], std::pow(0.2 * radii[i], 3));
+        bends[i] = true;
+      }
+    }
+    if (std::none_of(soften.begin(), soften.end(), [](bool s) { return s; })) {
+      break;
+    }
+    fit = smooth_within(data, compliance, moved_too_far);
+    spline = spline_through(data, fit);
+  }
+  for (std::size_t i = 0; i < spline.points.size(); ++i) {
+    if (path.fixed[i % n]) {
+      spline.points[i] = path.points[i % n];  // to the last bit
+    }
+  }
+  return spline;
+}
+
+}  // namespace vasohex

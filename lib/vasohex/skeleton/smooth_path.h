@@ -1,0 +1,32 @@
+#pragma once
+/// \file Smoothing of one path, a chain of branches that continue each other: position and radius.
+
+#include <vector>
+
+#include "vasohex/core/vec3.h"
+#include "vasohex/skeleton/spline.h"
+
+namespace vasohex {
+
+/// Points along a path with bounds on what may change. Of a closed path the first point is not repeated.
+struct PathPoints {
+  std::vector<Vec3> points;  ///< [n]
+  std::vector<bool> fixed;   ///< [n], position must not change (nodes)
+  bool closed = false;
+};
+
+/// 0 = t[0] < ..., lengths of the polyline up to each point; closed: one entry more, the length of the whole.
+std::vector<double> polyline_length(const std::vector<Vec3>& points, bool closed);
+
+/// Radii at knots t [n] (closed: [n + 1]), smoothed as far as their noise asks for, by at most 20 %.
+std::vector<double> smooth_radii(const std::vector<double>& t, const std::vector<double>& radii, bool closed);
+
+/// The largest radii that are nowhere above the given ones and change by at most 0.75 per length.
+std::vector<double> limit_slope(const std::vector<double>& t, std::vector<double> radii, bool closed);
+
+/// A C2 curve near the points: smoothed as far as their noise asks for, moved by at most 0.2 radii, 0.75 where it
+/// would bend sharper than its radius. One knot per
+/// point, of a closed path the first again at the end. radii [n]: the scale of noise that matters.
+SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& radii);
+
+}  // namespace vasohex

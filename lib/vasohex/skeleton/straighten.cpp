@@ -1,0 +1,197 @@
+#include "vasohex/skeleton/straighten.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "vasohex/core/error.h"
+#include "vasohex/skeleton/clean.h"
+
+namespace vasohex {
+namespace {
+
+constexpr double kTurnsBack = 2 * std::numbers::pi / 3;
+constexpr double kAside = 4;  // radii
+
+using Pair = std::array<int, 2>;
+
+Pair pair(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+double length(const Skeleton& skeleton, const PointChain& chain) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+    sum += (skeleton.points[chain[i + 1]] - skeleton.points[chain[i]]).norm();
+  }
+  return sum;
+}
+
+/// Mean over the points between the ends, which say more about the branch than its junctions do.
+double mean_radius(const Skeleton& skeleton, const PointChain& chain) {
+  const std::size_t skip = chain.size() > 2 ? 1 : 0;
+  double sum = 0;
+  for (std::size_t i = skip; i + skip < chain.size(); ++i) {
+    sum += skeleton.radii[chain[i]];
+  }
+  return sum / static_cast<double>(chain.size() - 2 * skip);
+}
+
+void remove_chain(Skeleton& skeleton, const PointChain& chain) {
+  std::set<Pair> gone;
+  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+    gone.insert(pair(chain[i], chain[i + 1]));
+  }
+  std::erase_if(skeleton.segments, [&](const Pair& s) { return gone.contains(pair(s[0], s[1])); });
+}
+
+/// Removes one closed tube without a hole, if there is one.
+bool remove_blind_loop(Skeleton& skeleton, std::vector<std::string>& repairs) {
+  const std::vector<PointChain> chains = split(skeleton);
+  std::map<Pair, std::size_t> shortest;  // of the branches between two nodes
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    const Pair ends = pair(chains[c].front(), chains[c].back());
+    double around = length(skeleton, chains[c]), radius = mean_radius(skeleton, chains[c]);
+    std::size_t longer = c;
+    if (ends[0] != ends[1]) {
+      const auto [other, is_first] = shortest.emplace(ends, c);
+      if (is_first) {
+        continue;
+      }
+      const double beside = length(skeleton, chains[other->second]);
+      radius = (radius + mean_radius(skeleton, chains[other->second])) / 2;
+      if (around < beside) {
+        std::swap(longer, other->second);
+      }
+      around += beside;
+    }
+    if (around <= 2 * std::numbers::pi * radius) {
+      repairs.push_back("the branch from " + place_of(skeleton, chains[longer].front()) + " to " +
+                        place_of(skeleton, chains[longer].back()) + " closes a loop of length " + short_text(around) +
+                        ", too short for a hole at radius " + short_text(radius) + ": dropped");
+      remove_chain(skeleton, chains[longer]);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The angle by which a chain turns at its k-th point; 0 at its ends.
+double turn(const Skeleton& skeleton, const PointChain& chain, std::size_t k) {
+  if (k == 0 || k + 1 >= chain.size()) {
+    return 0;
+  }
+  const Vec3 a = skeleton.points[chain[k]] - skeleton.points[chain[k - 1]];
+  const Vec3 b = skeleton.points[chain[k + 1]] - skeleton.points[chain[k]];
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const double u = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+  return (p - a - u * (b - a)).norm();
+}
+
+/// Leaves out points until the chain turns back nowhere, or cannot be helped.
+PointChain without_turning_back(const Skeleton& skeleton, PointChain chain, std::vector<std::string>& repairs) {
+  const bool closed = chain.front() == chain.back();
+  for (std::size_t k = 1; k + 1 < chain.size();) {
+    if (turn(skeleton, chain, k) <= kTurnsBack) {
+      ++k;
+      continue;
+    }
+    // of this point and its neighbours, the one without which the chain is straightest
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = k - 1; i <= k + 1; ++i) {
+      if (i == 0 || i + 1 >= chain.size() || (closed && chain.size() <= 4)) {
+        continue;
+      }
+      const Vec3 &before = skeleton.points[chain[i - 1]], &after = skeleton.points[chain[i + 1]];
+      if ((after - before).norm() == 0 ||
+          distance_to_segment(skeleton.points[chain[i]], before, after) > kAside * skeleton.radii[chain[i]]) {
+        continue;
+      }
+      PointChain rest = chain;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+      double sum = 0;
+      for (std::size_t j = k >= 3 ? k - 3 : 0; j < k + 4; ++j) {
+        sum += turn(skeleton, rest, j);
+      }
+      if (sum < least) {
+        least = sum;
+        best = i;
+      }
+    }
+    if (best == 0) {
+      ++k;
+      continue;
+    }
+    repairs.push_back("the branch turns back at " + place_of(skeleton, chain[k]) + ": " +
+                      place_of(skeleton, chain[best]) + " left out");
+    chain.erase(chain.begin() + static_cast<std::ptrdiff_t>(best));
+    k = std::max<std::size_t>(best, 3) - 2;
+  }
+  return chain;
+}
+
+}  // namespace
+
+std::vector<PointChain> split(const Skeleton& skeleton) {
+  struct Link {
+    int point, segment;
+  };
+  std::vector<std::vector<Link>> links(skeleton.points.size());
+  for (int s = 0; s < static_cast<int>(skeleton.segments.size()); ++s) {
+    const auto [a, b] = skeleton.segments[s];
+    links[a].push_back({b, s});
+    links[b].push_back({a, s});
+  }
+  std::vector<PointChain> chains;
+  std::vector<bool> done(skeleton.segments.size(), false);
+  const auto walk = [&](int start, Link link) {
+    PointChain chain{start};
+    for (;;) {
+      done[link.segment] = true;
+      chain.push_back(link.point);
+      const std::vector<Link>& here = links[link.point];
+      if (here.size() != 2 || link.point == start) {
+        break;
+      }
+      link = here[0].segment == link.segment ? here[1] : here[0];
+    }
+    chains.push_back(std::move(chain));
+  };
+  for (const bool closed : {false, true}) {
+    for (int p = 0; p < static_cast<int>(links.size()); ++p) {
+      if (closed == (links[p].size() == 2)) {
+        for (const Link& link : links[p]) {
+          if (!done[link.segment]) {
+            walk(p, link);
+          }
+        }
+      }
+    }
+  }
+  return chains;
+}
+
+Skeleton straighten(Skeleton skeleton, std::vector<std::string>& repairs) {
+  while (remove_blind_loop(skeleton, repairs)) {
+  }
+  std::vector<Pair> segments;
+  for (const PointChain& chain : split(skeleton)) {
+    const PointChain better = without_turning_back(skeleton, chain, repairs);
+    for (std::size_t i = 0; i + 1 < better.size(); ++i) {
+      segments.push_back({better[i], better[i + 1]});
+    }
+  }
+  skeleton.segments = std::move(segments);
+  if (skeleton.segments.empty()) {
+    throw Error(ErrorCode::bad_input,
+                "nothing but closed curves too short for a hole, at least one branch is needed");
+  }
+  return skeleton;
+}
+
+}  // namespace vasohex

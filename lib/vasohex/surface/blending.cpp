@@ -1,0 +1,226 @@
+#include "vasohex/surface/blending.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace vasohex {
+namespace {
+
+/// A branch seen from one of its ends.
+struct BranchEnd {
+  int branch = 0;
+  bool reversed = false;  ///< seen from nodes[1]
+};
+
+AxisPoint end_point(const Network& network, const BranchEnd& end, double distance) {
+  const Branch& branch = network.branches[end.branch];
+  return axis_point(branch, end.reversed ? branch.length() - distance : distance);
+}
+
+std::vector<std::vector<BranchEnd>> ends_at_nodes(const Network& network) {
+  std::vector<std::vector<BranchEnd>> ends(network.nodes.size());
+  for (int b = 0; b < static_cast<int>(network.branches.size()); ++b) {
+    ends[network.branches[b].nodes[0]].push_back({b, false});
+    ends[network.branches[b].nodes[1]].push_back({b, true});
+  }
+  return ends;
+}
+
+/// How far along tube i, from the node, its wall lies within tube j: two straight tubes at the angle of their
+/// directions over the first radius of arc.
+double overlap_straight(const Vec3& direction_i, double radius_i, const Vec3& direction_j, double radius_j) {
+  const double cosine = std::clamp(direction_i.dot(direction_j), -1.0, 1.0);
+  const double sine = std::sqrt(1 - cosine * cosine);
+  const double reach = radius_j + radius_i * cosine;
+  const double longest = cosine < 0 ? radius_j : 8 * std::max(radius_i, radius_j);
+  return reach >= longest * sine ? longest : std::max(reach / sine, 0.0);
+}
+
+/// The distance from the node at which curved tubes have parted: branches that leave a junction side by side and
+/// diverge later overlap further than their directions at the node tell.
+double overlap_curved(const Network& network, const BranchEnd& i, const BranchEnd& j, double step, double longest) {
+  double gap = 0, gap_before = 0;
+  for (double s = step; s < longest; s += step, gap_before = gap) {
+    const AxisPoint a = end_point(network, i, s), b = end_point(network, j, s);
+    gap = (a.position - b.position).norm() - a.radius - b.radius;
+    if (gap >= 0) {
+      return gap_before < 0 ? s - step * gap / (gap - gap_before) : s;
+    }
+    if (s > network.branches[i.branch].length() && s > network.branches[j.branch].length()) {
+      return s;  // both have ended: the joints beyond take over
+    }
+  }
+  return longest;
+}
+
+BlendBall node_ball(const Network& network, int node, const std::vector<BranchEnd>& ends) {
+  BlendBall ball;
+  ball.center = network.nodes[node].position;
+  if (ends.size() < 2) {
+    return ball;
+  }
+  std::vector<Vec3> directions;
+  std::vector<double> radii;
+  for (const BranchEnd& end : ends) {
+    const AxisPoint start = end_point(network, end, 0);
+    const double length = network.branches[end.branch].length();
+    const AxisPoint next = end_point(network, end, std::min(start.radius, 0.5 * length));
+    directions.push_back((next.position - start.position).normalized());
+    radii.push_back(next.radius);
+  }
+  const double radius = *std::max_element(radii.begin(), radii.end());
+  double overlap = radius;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    for (std::size_t j = 0; j < ends.size(); ++j) {
+      if (i != j) {
+        overlap = std::max(overlap, overlap_straight(directions[i], radii[i], directions[j], radii[j]));
+      }
+      if (i < j) {
+        overlap = std::max(overlap, overlap_curved(network, ends[i], ends[j], 0.1 * radius, 8 * radius));
+      }
+    }
+  }
+  ball.inner = overlap + radius;
+  ball.outer = ball.inner + 2 * radius;
+  return ball;
+}
+
+/// Small, so that the turns of a coil stay apart; yet where both sides of the cut reach (1.5 radii, 1.7 on steep
+/// tapers) the weight is 1, and the cut cannot be seen.
+BlendBall cut_ball(const Branch& branch, double arc) {
+  const AxisPoint at = axis_point(branch, arc);
+  return {at.position, 1.75 * at.radius, 2.5 * at.radius};
+}
+
+/// Cuts about every 6 radii of arc, such that the balls of no two joints along the branch meet.
+std::vector<double> cut_branch(const Branch& branch, double first_ball, double last_ball) {
+  std::vector<double> radii_of_arc(branch.points.size(), 0);  // arc length measured in local radii
+  for (std::size_t k = 1; k < branch.points.size(); ++k) {
+    radii_of_arc[k] =
+        radii_of_arc[k - 1] + 2 * (branch.arc[k] - branch.arc[k - 1]) / (branch.radii[k] + branch.radii[k - 1]);
+  }
+  const int pieces = static_cast<int>(std::min(radii_of_arc.back() / 6 + 1e-6, 1e6));
+  std::vector<double> cuts;
+  std::size_t k = 0;
+  for (int piece = 1; piece < pieces; ++piece) {
+    const double target = radii_of_arc.back() * piece / pieces;
+    while (radii_of_arc[k + 1] < target) {
+      ++k;
+    }
+    const double part = (target - radii_of_arc[k]) / (radii_of_arc[k + 1] - radii_of_arc[k]);
+    const double arc = branch.arc[k] + part * (branch.arc[k + 1] - branch.arc[k]);
+    const double outer = cut_ball(branch, arc).outer;
+    if (arc > first_ball + outer && arc < branch.length() - last_ball - outer) {
+      cuts.push_back(arc);
+    }
+  }
+  return cuts;
+}
+
+}  // namespace
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * x * (10 + x * (6 * x - 15));
+}
+
+BlendWeight Blending::weight(int joint, const Vec3& x) const {
+  double rest = 1;  // product of (1 - weight)
+  Vec3 gradient = Vec3::Zero();
+  for (const BlendBall& ball : joints[joint]) {
+    const Vec3 away = x - ball.center;
+    const double squared = away.squaredNorm();
+    if (squared >= ball.outer * ball.outer) {
+      continue;
+    }
+    if (squared <= ball.inner * ball.inner) {
+      return {1, Vec3::Zero()};
+    }
+    const double distance = std::sqrt(squared), width = ball.outer - ball.inner;
+    const double t = (distance - ball.inner) / width;
+    const double factor = smooth_step(t);
+    gradient = factor * gradient - rest * (30 * t * t * (1 - t) * (1 - t) / (width * distance)) * away;
+    rest *= factor;
+  }
+  return {1 - rest, gradient};
+}
+
+Blending make_blending(const Network& network) {
+  const int nodes = static_cast<int>(network.nodes.size());
+  const int branches = static_cast<int>(network.branches.size());
+  const std::vector<std::vector<BranchEnd>> ends = ends_at_nodes(network);
+  Blending blending;
+  for (int node = 0; node < nodes; ++node) {
+    blending.node_balls.push_back(node_ball(network, node, ends[node]));
+  }
+
+  int pieces = 0;
+  std::vector<std::vector<BlendBall>> cut_balls(branches);
+  for (int b = 0; b < branches; ++b) {
+    const Branch& branch = network.branches[b];
+    blending.cuts.push_back(
+        cut_branch(branch, blending.node_balls[branch.nodes[0]].outer, blending.node_balls[branch.nodes[1]].outer));
+    blending.first_piece.push_back(pieces);
+    pieces += static_cast<int>(blending.cuts[b].size()) + 1;
+  }
+  blending.joints_of.resize(pieces);
+
+  // Nodes whose balls meet along a branch form one joint.
+  std::vector<int> parent(nodes);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int node) {
+    while (parent[node] != node) {
+      node = parent[node] = parent[parent[node]];
+    }
+    return node;
+  };
+  for (const Branch& branch : network.branches) {
+    const BlendBall &first = blending.node_balls[branch.nodes[0]], &last = blending.node_balls[branch.nodes[1]];
+    if (first.inner > 0 && last.inner > 0 && branch.length() < first.inner + last.inner) {
+      const int a = root(branch.nodes[0]), b = root(branch.nodes[1]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<int> joint_of_node(nodes, -1);
+  for (int node = 0; node < nodes; ++node) {
+    if (blending.node_balls[node].inner > 0) {
+      const int top = root(node);
+      if (joint_of_node[top] < 0) {
+        joint_of_node[top] = static_cast<int>(blending.joints.size());
+        blending.joints.emplace_back();
+      }
+      joint_of_node[node] = joint_of_node[top];
+      blending.joints[joint_of_node[node]].push_back(blending.node_balls[node]);
+    }
+  }
+  const auto join = [&](int piece, int joint) {
+    std::vector<int>& of_piece = blending.joints_of[piece];
+    if (std::find(of_piece.begin(), of_piece.end(), joint) == of_piece.end()) {
+      of_piece.push_back(joint);
+    }
+  };
+  for (int b = 0; b < branches; ++b) {
+    const std::array<int, 2>& at = network.branches[b].nodes;
+    const int first = blending.first_piece[b], last = first + static_cast<int>(blending.cuts[b].size());
+    if (joint_of_node[at[0]] >= 0) {
+      join(first, joint_of_node[at[0]]);
+    }
+    if (joint_of_node[at[1]] >= 0) {
+      join(last, joint_of_node[at[1]]);
+    }
+    for (int cut = 0; cut < last - first; ++cut) {
+      const int joint = static_cast<int>(blending.joints.size());
+      blending.joints.push_back({cut_ball(network.branches[b], blending.cuts[b][cut])});
+      join(first + cut, joint);
+      join(first + cut + 1, joint);
+    }
+  }
+  for (std::vector<int>& joints : blending.joints_of) {
+    std::sort(joints.begin(), joints.end());
+  }
+  return blending;
+}
+
+}  // namespace vasohex

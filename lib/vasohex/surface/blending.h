@@ -1,0 +1,49 @@
+#pragma once
+/// \file Which parts of a network blend with each other, and where: vessels that only pass stay separate.
+///
+/// Branches are cut into pieces, so that one which comes near itself does not merge with itself. Pieces that meet at
+/// a node or at a cut form a joint: they blend around it with a weight w of 1 within a ball, falling to 0 in a shell
+/// around it. Junctions so near each other that their balls meet form one joint: all their pieces blend around all
+/// their nodes. With F_c the fields of the pieces, the field of the network is
+///     max over joints of ((1 - w) max_c F_c + w sum_c F_c),   c: the pieces of the joint,
+/// and F_c of pieces in no joint. Blending within one joint at a time: a piece that belongs to two must not make the
+/// vessels of one merge with those of the other.
+
+#include <vector>
+
+#include "vasohex/core/vec3.h"
+#include "vasohex/skeleton/network.h"
+
+namespace vasohex {
+
+/// Weight 1 up to `inner`, 0 from `outer` on, a quintic (C2) step between.
+struct BlendBall {
+  Vec3 center = Vec3::Zero();
+  double inner = 0, outer = 0;
+};
+
+/// A weight in [0, 1] and its gradient.
+struct BlendWeight {
+  double value = 0;
+  Vec3 gradient = Vec3::Zero();
+};
+
+struct Blending {
+  std::vector<BlendBall> node_balls;      ///< [node]; inner = outer = 0 at ends
+  std::vector<std::vector<double>> cuts;  ///< [branch]: arc lengths where it is cut, ascending, ends not included
+  std::vector<int> first_piece;           ///< [branch]: its pieces are first_piece + 0 ... cuts.size(), in order
+  std::vector<std::vector<BlendBall>> joints;  ///< [joint]: the balls around its nodes
+  std::vector<std::vector<int>> joints_of;     ///< [piece]: the joints it belongs to, ascending
+
+  /// 1 - product over the balls of a joint of (1 - weight).
+  BlendWeight weight(int joint, const Vec3& x) const;
+};
+
+/// Pieces and joints of a network. Around a node with largest radius r the inner ball has radius R1 = max(t, r) + r
+/// and the outer one R1 + 2 r; t is how far from the node two of its tubes still overlap (at most 8 r).
+Blending make_blending(const Network& network);
+
+/// 0 for x <= 0, 1 for x >= 1, the quintic with vanishing first and second derivatives at both between.
+double smooth_step(double x);
+
+}  // namespace vasohex
