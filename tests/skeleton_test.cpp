@@ -400,7 +400,7 @@ TEST(BuildNetwork, NamesOfEnds) {
   };
   using Names = std::map<int, std::string>;
   std::vector<std::string> log;
-  Run run;
+  vasohex::Run run;
   run.on_log = [&](std::string_view line) { log.emplace_back(line); };
   const Network widest = build_network(s, {}, run);
   EXPECT_EQ(names(widest), (Names{{12, "inlet"}, {6, "outlet_1"}, {18, "outlet_2"}}));
@@ -529,10 +529,6 @@ TEST(BuildNetwork, SharpCornersAreRounded) {
       one_branch(41, 1, [](int i) { return i <= 20 ? Vec3(.4 * i, 0, 0) : Vec3(8, .4 * (i - 20), 0); }));
   expect_sound(n);
   EXPECT_EQ(lines_with(n, "bends with"), 0);
-  // points too far apart to move: the corner stays and is reported
-  const Network coarse =
-      build_network(one_branch(3, 1, [](int i) { return i < 2 ? Vec3(.7 * i, 0, 0) : Vec3(0, .3, 0); }));
-  expect_sound(coarse);
 }
 
 TEST(BuildNetwork, RadiiStayPositiveAndWithinTheData) {
@@ -644,7 +640,7 @@ TEST(BuildNetwork, SameTwice) {
 }
 
 TEST(BuildNetwork, CanBeCancelled) {
-  Run run;
+  vasohex::Run run;
   run.on_progress = [](std::string_view, double) { return false; };
   EXPECT_THROW(build_network(noisy_tree(), {}, run), Error);
 }

@@ -40,6 +40,7 @@ struct BlockStructure {
   std::vector<Junction> junctions;
   double min_jacobian = 1;  ///< least scaled Jacobian of all blocks on lattices of 9^3 points
   int certified = 0;        ///< blocks whose Jacobian determinant is proven positive everywhere
+  double optimise_seconds = 0;  ///< wall time of the junctions
   std::string units;
 };
 

@@ -1,6 +1,7 @@
 #include "vasohex/blocks/build_blocks.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -444,6 +445,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
                             const Run& run) {
   const std::vector<Cluster> clusters = find_clusters(network, surface);
 
+  const auto start = std::chrono::steady_clock::now();
   std::vector<ClusterResult> solved(clusters.size());
   std::mutex progress;
   std::size_t done = 0;
@@ -456,6 +458,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
   });
 
   BlockStructure out;
+  out.optimise_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   Assembly assembly(network, out);
   // cap of each branch end: arc length from that end, and its section seen along the branch
   std::vector<std::array<double, 2>> cap(network.branches.size(), {0, 0});

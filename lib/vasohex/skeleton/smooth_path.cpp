@@ -11,7 +11,7 @@ namespace {
 // c s^2 h / l^5 and slope noise of variance c s^2 h / l^3, c = 1 / (8 sqrt 2): l follows from what may be left.
 constexpr double kNoise = 0.088388;
 constexpr double kCurvatureNoise = 0.05;  // times 1 / radius
-constexpr double kSlopeNoise = 0.03;      // of the radius per length
+constexpr double kSlopeNoise = 0.02;      // of the radius per length
 constexpr double kLongestAxis = 1.0;      // smoothing lengths at most, in radii
 constexpr double kLongestRadius = 2.0;
 constexpr double kMoveAtBend = 0.75;   // the same where a bend is sharper than a tube allows

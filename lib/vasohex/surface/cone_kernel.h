@@ -96,30 +96,24 @@ inline bool add_cone(const ConeSegment& segment, const Vec3& x, ConeSum& sum) {
       return false;
     }
   }
-  // Gauss-Legendre on [0, 1]; exact for degree 7, which slope 0 needs 6 of.
-  constexpr double node[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629};
-  constexpr double weight[4] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
+  // Gauss-Legendre on [0, 1]; exact for degree 7, which slope 0 needs 6 of. The mirrored points side by side, as
+  // two-wide arithmetic has it.
+  const Eigen::Array4d node(0.06943184420297371, 0.93056815579702629, 0.33000947820757187, 0.66999052179242813);
+  const Eigen::Array4d weight(0.17392742256872693, 0.17392742256872693, 0.32607257743127307, 0.32607257743127307);
   const double h = to - from;
-  double value = 0, mean = 0, along = 0, all = 0;
-  for (int k = 0; k < 4; ++k) {
-    const double t = from + h * node[k];
-    const double inverse = 1 / (radius + slope * t);
-    const double inverse2 = inverse * inverse;
-    const double q = c0 + (2 * c1 + c2 * t) * t;
-    const double a = weight[k] * q * q * inverse2 * inverse2 * inverse2;  // * 1/r: integrand of the gradient
-    const double b = a * q;                                               // * 1/r: that of F
-    mean += b;
-    value += b * inverse;
-    if constexpr (with_gradient) {
-      all += a * inverse;
-      along += a * inverse * t;
-    }
-  }
+  const Eigen::Array4d t = from + h * node;
+  const Eigen::Array4d inverse = (radius + slope * t).inverse();
+  const Eigen::Array4d q = c0 + (2 * c1 + c2 * t) * t;
+  const Eigen::Array4d a = weight * (q * inverse * inverse * inverse).square();  // / r: integrand of the gradient
+  const Eigen::Array4d b = a * q;                                                // / r: that of F
+  const double value = (b * inverse).sum(), mean = b.sum();
   const double bend = 1 - segment.curvature.dot(w);
   const double scale = segment.scale * h * bend;
   sum.value += scale * value;
   sum.weighted_radius += scale * mean;
   if constexpr (with_gradient) {
+    const Eigen::Array4d c = a * inverse;
+    const double all = c.sum(), along = (c * t).sum();
     sum.gradient -=
         6 * scale * (all * w - along * segment.direction) + (segment.scale * h * value) * segment.curvature;
   }

@@ -13,7 +13,7 @@ ConeTree::ConeTree(std::vector<ConeSegment> segments) : segments_(std::move(segm
 }
 
 void ConeTree::build(std::uint32_t begin, std::uint32_t end) {
-  constexpr std::uint32_t leaf_size = 2;
+  constexpr std::uint32_t leaf_size = 4;
   const auto at = static_cast<std::uint32_t>(nodes_.size());
   Core core;
   Box reach, middles;

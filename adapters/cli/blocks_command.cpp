@@ -1,0 +1,116 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "mesh_options.h"
+#include "report.h"
+#include "vtk/write_vtu.h"
+
+namespace vasohex::cli {
+namespace {
+
+struct BlocksCommand {
+  SkeletonInput input;
+  SkeletonMeshOptions options;
+  std::vector<std::string> outputs;
+};
+
+const char* kind_name(DirectionKind kind) {
+  return kind == DirectionKind::radial ? "radial" : kind == DirectionKind::axial ? "axial" : "core";
+}
+
+nlohmann::ordered_json blocks_json(const SkeletonMesh& m) {
+  const BlockStructure& b = m.blocks;
+  nlohmann::ordered_json j;
+  j["format"] = "vasohex-blocks-1";
+  j["units"] = b.units;
+  j["degree"] = b.degree;
+  j["control_points"] = "gauss_lobatto, i fastest";
+  auto& nodes = j["nodes"] = nlohmann::ordered_json::array();
+  for (const Vec3& p : b.nodes) {
+    nodes.push_back({p.x(), p.y(), p.z()});
+  }
+  const int per_block = static_cast<int>(b.block_nodes.size() / b.blocks.size());
+  auto& blocks = j["blocks"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < b.blocks.size(); ++i) {
+    blocks.push_back(
+        {{"vertices", b.blocks[i]},
+         {"nodes", std::vector<int>(b.block_nodes.begin() + i * per_block, b.block_nodes.begin() + (i + 1) * per_block)},
+         {"directions", {kind_name(b.kinds[i][0]), kind_name(b.kinds[i][1]), kind_name(b.kinds[i][2])}},
+         {"place", b.places[i]}});
+  }
+  auto& boundary = j["boundary"] = nlohmann::ordered_json::array();
+  for (const BlockStructure::BoundaryFace& f : b.boundary) {
+    boundary.push_back({f.block, f.face, f.surface});
+  }
+  j["surfaces"] = b.surfaces;
+  auto& sheets = j["sheets"] = nlohmann::ordered_json::array();
+  for (const Sheet& s : m.sheets.sheets) {
+    sheets.push_back(s.name);
+  }
+  return j;
+}
+
+void run_blocks(BlocksCommand& c, Common& common) {
+  for (const std::string& output : c.outputs) {
+    const std::string ext = std::filesystem::path(output).extension().string();
+    if (ext != ".json" && ext != ".vtu") {
+      throw Error(ErrorCode::bad_input, "output " + output + ": unknown extension '" + ext + "', use .vtu or .json");
+    }
+  }
+  const Run run = common.run();
+  const Skeleton skeleton = c.input.read(c.options.network);
+  // one element of the blocks' own degree each: what a viewer can show of them
+  c.options.grading.elements = 1;
+  c.options.mesh.order = 4;
+  const SkeletonMesh m = with_context(c.input.path, [&] { return mesh_skeleton(skeleton, c.options, run); });
+  common.end_progress();
+  for (const std::string& output : c.outputs) {
+    if (output.ends_with(".json")) {
+      write_json(blocks_json(m), output);
+    } else {
+      const std::vector<double> quality = measure_quality(m.result.mesh, run).element_scaled_jacobian;
+      const CellScalars scalars[]{{"scaled_jacobian", quality}};
+      write_vtu(m.result.mesh, output, scalars, run);
+    }
+  }
+  const int count = static_cast<int>(m.blocks.blocks.size());
+  if (!common.quiet) {
+    std::printf("%s: %d blocks of degree %d, %d certified, least scaled Jacobian %.3f\n", c.input.path.c_str(), count,
+                m.blocks.degree, m.blocks.certified, m.blocks.min_jacobian);
+    std::printf("  sheets:");
+    for (const Sheet& s : m.sheets.sheets) {
+      std::printf(" %s", s.name.c_str());
+    }
+    std::printf("\n");
+    for (const BlockStructure::Junction& k : m.blocks.junctions) {
+      std::printf("  junction at point %d: %d branches, %s, least scaled Jacobian %.3f, %s\n",
+                  m.network.nodes[k.node].point, k.degree, k.prototype.c_str(), k.min_jacobian,
+                  k.certified ? "certified" : "not certified");
+    }
+    for (const std::string& output : c.outputs) {
+      std::printf("  written %s\n", output.c_str());
+    }
+  }
+  if (m.blocks.certified < count) {
+    common.exit_code = invalid_elements;
+  }
+}
+
+}  // namespace
+
+void add_blocks_command(CLI::App& app, Common& common) {
+  CLI::App* command = app.add_subcommand("blocks", "The block structure of a skeleton's network");
+  auto c = std::make_shared<BlocksCommand>();
+  c->input.add_to(*command);
+  command->add_option("-o,--output", c->outputs, "Block file: .vtu (to look at) or .json; may be given several times")
+      ->required();
+  command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  common.add_to(*command);
+  command->callback([c, &common] { run_blocks(*c, common); });
+}
+
+}  // namespace vasohex::cli

@@ -1,0 +1,235 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "gmsh/write_msh.h"
+#include "mesh_options.h"
+#include "report.h"
+#include "vasohex/core/atomic_file.h"
+#include "vtk/write_vtu.h"
+
+namespace vasohex::cli {
+namespace {
+
+struct MeshCommand {
+  SkeletonInput input;
+  std::vector<std::string> outputs;
+  SkeletonMeshOptions options;
+  std::string first_layer = "0.05r", nodes = "equispaced", json;
+  int layers = 0;
+  double growth = 1.2;
+  std::vector<std::string> sheets;
+};
+
+[[noreturn]] void usage(const std::string& message) { throw Error(ErrorCode::bad_input, message); }
+
+/// `0.02r`: relative to the local radius; `0.1`: in the mesh's unit.
+void read_first_layer(const std::string& text, WallLayers& layers) {
+  std::size_t end = 0;
+  try {
+    layers.first_height = std::stod(text, &end);
+  } catch (const std::exception&) {
+    end = 0;
+  }
+  layers.relative = text.substr(end) == "r";
+  if (end == 0 || !(layers.first_height > 0) || (end != text.size() && !layers.relative)) {
+    usage("--first-layer " + text + ": must be a height > 0, as 0.02r (local radii) or 0.1 (the mesh's unit)");
+  }
+}
+
+Grading::Request read_sheet(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  Grading::Request request{text.substr(0, equals), {}, {}};
+  try {
+    std::size_t end = 0;
+    request.count = std::stoi(text.substr(equals + 1), &end);
+    if (equals == std::string::npos || equals + 1 + end != text.size()) {
+      throw std::invalid_argument(text);
+    }
+  } catch (const std::exception&) {
+    usage("--sheet " + text + ": must be NAME=COUNT, as axial.3=12; `vasohex blocks` lists the names");
+  }
+  return request;
+}
+
+std::string extension(const std::string& path) { return std::filesystem::path(path).extension().string(); }
+
+void check_output(const std::string& path, const MeshOptions& mesh) {
+  const std::string ext = extension(path);
+  if (ext != ".msh" && ext != ".vtu") {
+    usage("output " + path + ": unknown extension '" + ext + "', use .msh or .vtu");
+  }
+  if (mesh.order > (ext == ".msh" ? 9 : 10)) {
+    usage("output " + path + ": order " + std::to_string(mesh.order) +
+          (ext == ".msh" ? " does not exist in MSH, use at most 9" : " does not exist in VTU, use at most 10"));
+  }
+  if (mesh.family == NodeFamily::gauss_lobatto && mesh.order >= 3) {
+    usage("output " + path + ": Gauss-Lobatto nodes cannot be written there from order 3 on, use --nodes equispaced");
+  }
+  AtomicFile probe(path);  // an unwritable place shows before the work, not after it
+}
+
+void run_mesh(MeshCommand& c, Common& common) {
+  const Stopwatch total;
+  if (c.options.mesh.order < 1) {
+    usage("--order " + std::to_string(c.options.mesh.order) + ": must be at least 1");
+  }
+  if (c.options.grading.elements < 1) {
+    usage("--elements " + std::to_string(c.options.grading.elements) + ": must be at least 1");
+  }
+  c.options.mesh.family = c.nodes == "equispaced" ? NodeFamily::equispaced : NodeFamily::gauss_lobatto;
+  if (c.layers > 0) {
+    WallLayers layers;
+    layers.layers = c.layers;
+    layers.growth = c.growth;
+    read_first_layer(c.first_layer, layers);
+    if (!(layers.growth > 0)) {
+      usage("--growth " + std::to_string(layers.growth) + ": must be > 0");
+    }
+    c.options.grading.layers = layers;
+  }
+  for (const std::string& s : c.sheets) {
+    c.options.grading.requests.push_back(read_sheet(s));
+  }
+  for (const std::string& output : c.outputs) {
+    check_output(output, c.options.mesh);
+  }
+  if (!c.json.empty()) {
+    AtomicFile probe(c.json);
+  }
+  const Run run = common.run();
+  Stopwatch reading;
+  const Skeleton skeleton = c.input.read(c.options.network);
+  const double read_seconds = reading.seconds();
+  SkeletonMesh m = with_context(c.input.path, [&] { return mesh_skeleton(skeleton, c.options, run); });
+  const HexMesh& mesh = m.result.mesh;
+  Stopwatch certifying;
+  const QualityReport quality = measure_quality(mesh, run);
+  const double certify_seconds = certifying.seconds();
+  Stopwatch writing;
+  for (const std::string& output : c.outputs) {
+    if (extension(output) == ".msh") {
+      write_msh(mesh, output, run);
+    } else {
+      const CellScalars scalars[]{{"scaled_jacobian", quality.element_scaled_jacobian}};
+      write_vtu(mesh, output, scalars, run);
+    }
+  }
+  const double write_seconds = writing.seconds();
+  common.end_progress();
+  const NetworkCounts counts = count(m.network);
+  if (!c.json.empty()) {
+    nlohmann::ordered_json j;
+    j["vasohex"] = VASOHEX_VERSION;
+    j["input"] = c.input.path;
+    j["units"] = mesh.units;
+    j["blocks"] = m.blocks.blocks.size();
+    j["elements"] = mesh.element_count();
+    j["nodes"] = mesh.nodes.size();
+    j["order"] = mesh.order;
+    j["components"] = counts.components;
+    j["loops"] = counts.loops;
+    auto& junctions = j["junctions"] = nlohmann::ordered_json::array();
+    for (const BlockStructure::Junction& k : m.blocks.junctions) {
+      const Vec3& x = m.network.nodes[k.node].position;
+      junctions.push_back({{"node", m.network.nodes[k.node].point},
+                           {"at", {x.x(), x.y(), x.z()}},
+                           {"degree", k.degree},
+                           {"prototype", k.prototype},
+                           {"sj_min", k.min_jacobian},
+                           {"certified", k.certified},
+                           {"candidates", k.candidates}});
+    }
+    j["block_certificate"] = {{"certified", m.blocks.certified}, {"scaled_jacobian_min", m.blocks.min_jacobian}};
+    add_quality(j, quality);
+    auto& surfaces = j["surfaces"] = nlohmann::ordered_json::array();
+    for (std::size_t s = 0; s < mesh.surfaces.size(); ++s) {
+      nlohmann::ordered_json row{{"name", mesh.surfaces[s]}, {"id", s + 1}};
+      if (s > 0) {
+        const SectionFrame& f = m.blocks.ends[s - 1];
+        const Vec3 n = f.normal();
+        row["centre"] = {f.origin.x(), f.origin.y(), f.origin.z()};
+        row["normal"] = {n.x(), n.y(), n.z()};
+        row["radius"] = f.radius;
+      }
+      surfaces.push_back(row);
+    }
+    j["volumes"] = {{{"name", mesh.volume}, {"id", mesh.surfaces.size() + 1}}};
+    j["wall_residual_max"] = m.result.wall_residual_max;
+    j["unconverged_projections"] = m.result.unconverged;
+    j["shrunk_layer_lines"] = m.result.shrunk_lines;
+    j["repairs"] = m.network.repairs;
+    j["seconds"] = {{"read", read_seconds},       {"surface", m.seconds["surface"]},
+                    {"blocks", m.seconds["blocks"] - m.blocks.optimise_seconds},
+                    {"optimise", m.blocks.optimise_seconds},
+                    {"mesh", m.seconds["mesh"]},  {"certify", certify_seconds},
+                    {"write", write_seconds},     {"total", total.seconds()}};
+    write_json(j, c.json);
+  }
+  if (!common.quiet) {
+    for (const std::string& repair : m.network.repairs) {
+      std::printf("%s\n", repair.c_str());
+    }
+    std::printf("%s: %d component(s), %d loop(s), %d junction(s), %d end(s); unit %s\n", c.input.path.c_str(),
+                counts.components, counts.loops, counts.junctions, counts.ends,
+                mesh.units.empty() ? "not stated" : mesh.units.c_str());
+    std::printf("  %zu blocks, %d hexahedra of order %d, %zu nodes\n", m.blocks.blocks.size(), mesh.element_count(),
+                mesh.order, mesh.nodes.size());
+    std::printf("%s", quality_text(quality).c_str());
+    if (m.blocks.certified == static_cast<int>(m.blocks.blocks.size())) {
+      std::printf("  all blocks are certified: before projection onto the surface, so is every mesh of order >= %d made "
+                  "from them\n",
+                  m.blocks.degree);
+    }
+    if (m.result.unconverged > 0) {
+      std::printf("  warning: %d wall nodes could not be projected onto the surface\n", m.result.unconverged);
+    }
+    if (m.result.shrunk_lines > 0) {
+      std::printf("  warning: the layers do not fit on %d lines towards the wall and were made thinner there\n",
+                  m.result.shrunk_lines);
+    }
+    for (const std::string& output : c.outputs) {
+      std::printf("  written %s\n", output.c_str());
+    }
+    std::printf("  %.2f s\n", total.seconds());
+  }
+  if (quality.invalid + quality.undecided > 0) {
+    common.exit_code = invalid_elements;
+  }
+}
+
+}  // namespace
+
+void add_mesh_command(CLI::App& app, Common& common) {
+  CLI::App* command = app.add_subcommand("mesh", "Skeleton in, certified hexahedra of order p out");
+  auto c = std::make_shared<MeshCommand>();
+  c->input.add_to(*command);
+  command->add_option("-o,--output", c->outputs, "Mesh file: .msh (Gmsh 4.1) or .vtu; may be given several times")
+      ->required();
+  command->add_option("-p,--order", c->options.mesh.order, "Polynomial order")->capture_default_str();
+  command->add_option("-n,--elements", c->options.grading.elements, "Elements per block edge")->capture_default_str();
+  command->add_option("--radial", c->options.grading.radial, "Elements from the core to the wall");
+  command->add_option("--axial", c->options.grading.axial, "Elements along each block of a vessel");
+  command->add_option("--core", c->options.grading.core, "Elements across the core: a quarter of the circumference");
+  command->add_option("--sheet", c->sheets, "NAME=COUNT: elements of one sheet of block edges");
+  command->add_option("--layers", c->layers, "Layers of elements along the wall; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--first-layer", c->first_layer, "Height of the layer at the wall: 0.02r (local radii) or 0.1 (unit)")
+      ->capture_default_str();
+  command->add_option("--growth", c->growth, "Height of each layer over that before it")->capture_default_str();
+  command->add_option("--nodes", c->nodes, "Nodes within an element")
+      ->check(CLI::IsMember({"equispaced", "gauss_lobatto"}))
+      ->capture_default_str();
+  command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--json", c->json, "File for the figures");
+  common.add_to(*command);
+  command->set_config("--config", "", "File with any of these options, as `order=3`");
+  command->callback([c, &common] { run_mesh(*c, common); });
+}
+
+}  // namespace vasohex::cli

@@ -1,0 +1,35 @@
+#pragma once
+/// \file Options that `mesh` and `blocks` share: how a skeleton becomes blocks.
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "vasohex/skeleton/read_skeleton.h"
+#include "vasohex/vasohex.h"
+
+namespace vasohex::cli {
+
+struct SkeletonInput {
+  std::string path;
+  std::string units;
+  int inlet = -1;
+
+  void add_to(CLI::App& command) {
+    command.add_option("INPUT", path, "Skeleton: .swc or .json (vascular-graph-1)")->required();
+    command.add_option("--units", units, "Unit of the input: um, mm, cm or m. Overrides what the file says")
+        ->check(CLI::IsMember({"um", "mm", "cm", "m"}));
+    command.add_option("--inlet", inlet, "Point of the skeleton (index from 0, in file order) whose end is the inlet");
+  }
+  Skeleton read(NetworkOptions& options) const {
+    Skeleton skeleton = read_skeleton(path);
+    if (!units.empty()) {
+      skeleton.units = units;
+    }
+    if (inlet >= 0) {
+      options.inlet = inlet;
+    }
+    return skeleton;
+  }
+};
+
+}  // namespace vasohex::cli

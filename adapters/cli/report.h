@@ -1,0 +1,31 @@
+#pragma once
+/// \file Figures as JSON and as text.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "vasohex/quality/quality_report.h"
+#include "vasohex/skeleton/network.h"
+#include "vasohex/vasohex.h"
+
+namespace vasohex::cli {
+
+/// The figures of a quality report under their names in docs/cli.md: `quality`, `validity`, `worst`.
+void add_quality(nlohmann::ordered_json& json, const QualityReport& report);
+
+/// The same as a few lines for the terminal.
+std::string quality_text(const QualityReport& report);
+
+/// Components and independent loops of a network.
+struct NetworkCounts {
+  int components = 0;
+  int loops = 0;
+  int ends = 0;
+  int junctions = 0;
+};
+NetworkCounts count(const Network& network);
+
+/// Writes the JSON, whole or not at all.
+void write_json(const nlohmann::ordered_json& json, const std::string& path);
+
+}  // namespace vasohex::cli

@@ -1,0 +1,38 @@
+#pragma once
+/// \file The whole way from a skeleton to a mesh, stage by stage.
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "vasohex/blocks/build_blocks.h"
+#include "vasohex/grading/sheets.h"
+#include "vasohex/mesh/generate_mesh.h"
+#include "vasohex/skeleton/build_network.h"
+#include "vasohex/surface/convolution.h"
+
+namespace vasohex {
+
+struct SkeletonMeshOptions {
+  NetworkOptions network;
+  ConvolutionOptions surface;
+  BlockOptions blocks;
+  Grading grading;
+  MeshOptions mesh;
+};
+
+/// What each stage made, for whoever wants more than the mesh.
+struct SkeletonMesh {
+  Network network;
+  std::unique_ptr<ImplicitSurface> surface;
+  BlockStructure blocks;
+  Sheets sheets;
+  MeshResult result;
+  std::map<std::string, double> seconds;  ///< wall time of `surface`, `blocks`, `mesh`
+};
+
+/// Cleans and smooths the skeleton, wraps it in a convolution surface, builds and optimises blocks, grades and meshes.
+/// The mesh may hold invalid elements: measure_quality tells. Errors as of the stages.
+SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& options = {}, const Run& run = {});
+
+}  // namespace vasohex
