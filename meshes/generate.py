@@ -11,7 +11,7 @@ import pathlib
 FOLDER = pathlib.Path(__file__).parent
 
 
-# --- curves -----------------------------------------------------------------------------------------------------------
+# --- curves ---------------------------------------------------------------------------------------------------------
 
 
 def add(a, b, scale=1.0):
@@ -73,7 +73,7 @@ def along(curve, spacing):
     return points
 
 
-# --- skeletons --------------------------------------------------------------------------------------------------------
+# --- skeletons ------------------------------------------------------------------------------------------------------
 
 
 class Skeleton:
@@ -140,12 +140,13 @@ class Skeleton:
             radius = self.radii[branch[len(branch) // 2]]
             for p in (branch[0], branch[-1]):
                 if degree[p] > 2:
-                    length -= max(0.8 * self.radii[p], self.radii[p] + 0.5 * radius if radius < 0.6 * self.radii[p] else 0)
+                    thin = radius < 0.6 * self.radii[p]
+                    length -= self.radii[p] + 0.5 * radius if thin else 0.8 * self.radii[p]
             total += 5 * max(1, round(length / (2 * radius)))
         return total
 
 
-# --- the examples -----------------------------------------------------------------------------------------------------
+# --- the examples ---------------------------------------------------------------------------------------------------
 
 
 def iliac_bifurcation():
@@ -168,7 +169,14 @@ def abdominal_aorta():
     # heights over the renal arteries
     inlet, mesenteric, inferior, fork = 48.0, 21.0, -70.0, -107.0
     suprarenal, renal_level, infrarenal = 11.0, 10.2, 9.5  # radii of the aorta
-    lengths = {"mesenteric": 46.0, "renal": 40.0, "inferior": 35.0, "common": 50.0, "external": 58.0, "internal": 27.0}
+    lengths = {
+        "mesenteric": 46.0,
+        "renal": 40.0,
+        "inferior": 35.0,
+        "common": 50.0,
+        "external": 58.0,
+        "internal": 27.0,
+    }
     radii = {"mesenteric": 3.6, "renal": 2.75, "inferior": 2.0, "common": 6.1, "external": 4.4, "internal": 3.2}
 
     def front(z):  # the aorta follows the lordosis of the spine
@@ -213,8 +221,14 @@ def abdominal_aorta():
         r = radii["common"]
         end = s.vessel(iliac, (r, 0.97 * r), start=bifurcation)
         at = iliac[3]
-        side("external", end, at, direction(0.75 * sign, -0.02, 0.75), direction(0.4 * sign, 0.85, 0.75), side_name + "_external_iliac")
-        side("internal", end, at, direction(0.05 * sign, -0.9, 0.65), direction(-0.1 * sign, -0.25, 1), side_name + "_internal_iliac")
+        side(
+            "external", end, at, direction(0.75 * sign, -0.02, 0.75), direction(0.4 * sign, 0.85, 0.75),
+            side_name + "_external_iliac",
+        )
+        side(
+            "internal", end, at, direction(0.05 * sign, -0.9, 0.65), direction(-0.1 * sign, -0.25, 1),
+            side_name + "_internal_iliac",
+        )
     s.write_json("abdominal_aorta")
     return s
 
@@ -224,7 +238,10 @@ def willis_cycle():
     ica, mca, aca, acoa, pcoa, pca, basilar = 1.9, 1.67, 1.05, 0.75, 0.61, 1.0, 1.64
     s = Skeleton()
     tip_at = (0, -11, 0)
-    tip = s.vessel(between((0.5, -15, -29), (0, 0.25, 0.97), tip_at, (0, 0.05, 1)), (basilar, 0.95 * basilar), name="inlet_basilar")
+    tip = s.vessel(
+        between((0.5, -15, -29), (0, 0.25, 0.97), tip_at, (0, 0.05, 1)), (basilar, 0.95 * basilar),
+        name="inlet_basilar",
+    )
     medial = {}
     for sign, side in ((1, "left"), (-1, "right")):
 
@@ -236,15 +253,36 @@ def willis_cycle():
 
         pca_at, ica_at, end_at, acoa_at = at(6, -9, 1), at(8, 3.5, -1), at(9.2, 8.2, 6), at(2, 19, 8.5)
         p1 = s.vessel(between(tip_at, unit(0.95, 0.1, 0.3), pca_at, unit(0.9, 0.35, -0.1)), (pca, pca), start=tip)
-        s.vessel(between(pca_at, unit(0.9, -0.1, 0.1), at(14.5, -21, 7), unit(0.2, -1, 0.4)), (pca, 0.9 * pca), start=p1, name=side + "_posterior")
+        s.vessel(
+            between(pca_at, unit(0.9, -0.1, 0.1), at(14.5, -21, 7), unit(0.2, -1, 0.4)), (pca, 0.9 * pca),
+            start=p1, name=side + "_posterior",
+        )
         siphon = between(at(12, -3, -24), unit(-0.1, 0.9, 0.5), ica_at, unit(-0.1, 0.2, 1))
         carotid = s.vessel(siphon, (1.1 * ica, ica), name="inlet_" + side + "_carotid")
-        s.vessel(between(pca_at, unit(0.1, 1, 0.25), ica_at, unit(0.25, 1, -0.2)), (pcoa, pcoa), start=p1, end=carotid)
-        end = s.vessel(between(ica_at, unit(0.05, 0.45, 0.9), end_at, unit(0.2, 0.55, 0.8)), (ica, 0.95 * ica), start=carotid)
-        s.vessel(between(end_at, unit(1, 0.1, 0.35), at(25, 7.5, 9.5), unit(1, -0.25, 0.15)), (mca, 0.9 * mca), start=end, name=side + "_middle")
-        medial[sign] = s.vessel(between(end_at, unit(-0.7, 0.65, 0.35), acoa_at, unit(-0.35, 0.9, 0.2)), (aca, aca), start=end)
-        s.vessel(between(acoa_at, unit(0.05, 0.9, 0.3), at(3.2, 25, 28), unit(0.05, -0.15, 1)), (aca, 0.95 * aca), start=medial[sign], name=side + "_anterior")
-    s.vessel(between((2, 19, 8.5), (-1, 0.1, 0), (-2, 19, 8.5), (-1, -0.1, 0)), (acoa, acoa), start=medial[1], end=medial[-1])
+        s.vessel(
+            between(pca_at, unit(0.1, 1, 0.25), ica_at, unit(0.25, 1, -0.2)), (pcoa, pcoa), start=p1,
+            end=carotid,
+        )
+        end = s.vessel(
+            between(ica_at, unit(0.05, 0.45, 0.9), end_at, unit(0.2, 0.55, 0.8)), (ica, 0.95 * ica),
+            start=carotid,
+        )
+        s.vessel(
+            between(end_at, unit(1, 0.1, 0.35), at(25, 7.5, 9.5), unit(1, -0.25, 0.15)), (mca, 0.9 * mca),
+            start=end, name=side + "_middle",
+        )
+        medial[sign] = s.vessel(
+            between(end_at, unit(-0.7, 0.65, 0.35), acoa_at, unit(-0.35, 0.9, 0.2)), (aca, aca),
+            start=end,
+        )
+        s.vessel(
+            between(acoa_at, unit(0.05, 0.9, 0.3), at(3.2, 25, 28), unit(0.05, -0.15, 1)),
+            (aca, 0.95 * aca), start=medial[sign], name=side + "_anterior",
+        )
+    s.vessel(
+        between((2, 19, 8.5), (-1, 0.1, 0), (-2, 19, 8.5), (-1, -0.1, 0)), (acoa, acoa),
+        start=medial[1], end=medial[-1],
+    )
     s.write_json("willis_cycle")
     return s
 
@@ -254,7 +292,10 @@ def trifurcation():
     stem = 5.0
     daughters = (3.6, 3.4, 3.4)
     s = Skeleton()
-    fork = s.vessel(between((3, -2, 40), direction(-0.2, 0.1, 1), (0, 0, 0), direction(0, 0, 1)), (stem, stem), name="inlet")
+    fork = s.vessel(
+        between((3, -2, 40), direction(-0.2, 0.1, 1), (0, 0, 0), direction(0, 0, 1)), (stem, stem),
+        name="inlet",
+    )
     for i, r in enumerate(daughters):
         turn = math.radians((10, 125, 245)[i])
         tilt = math.radians((48, 55, 52)[i])
@@ -281,4 +322,5 @@ def helix():
 if __name__ == "__main__":
     for example in (iliac_bifurcation, abdominal_aorta, willis_cycle, trifurcation, helix):
         skeleton = example()
-        print(f"{example.__name__}: {len(skeleton.points)} points, {len(skeleton.branches)} branches, about {skeleton.blocks()} blocks")
+        counts = f"{len(skeleton.points)} points, {len(skeleton.branches)} branches, about {skeleton.blocks()} blocks"
+        print(f"{example.__name__}: {counts}")

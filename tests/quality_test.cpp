@@ -220,8 +220,8 @@ TEST(Certify, DecidesNearlyDegenerateCorners) {
   };
   for (const int order : {1, 2, 3, 6, 9}) {
     for (const NodeFamily family : kFamilies) {
-      EXPECT_EQ(certify_map(order, with(1 - 1e-9), family).state, ValidityState::certified) << order;
-      EXPECT_EQ(certify_map(order, with(1 + 1e-9), family).state, ValidityState::invalid) << order;
+      EXPECT_EQ(certify_map(order, with(1 - 1e-11), family).state, ValidityState::certified) << order;
+      EXPECT_EQ(certify_map(order, with(1 + 1e-11), family).state, ValidityState::invalid) << order;
     }
   }
   EXPECT_EQ(certify_map(1, with(1)).state, ValidityState::undecided);

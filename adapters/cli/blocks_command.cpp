@@ -1,9 +1,9 @@
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include "commands.h"
 #include "mesh_options.h"
+#include "option_checks.h"
 #include "report.h"
 #include "vtk/write_vtu.h"
 
@@ -54,11 +54,12 @@ nlohmann::ordered_json blocks_json(const SkeletonMesh& m) {
 
 void run_blocks(BlocksCommand& c, Common& common) {
   for (const std::string& output : c.outputs) {
-    const std::string ext = std::filesystem::path(output).extension().string();
+    const std::string ext = extension(output);
     if (ext != ".json" && ext != ".vtu") {
-      throw Error(ErrorCode::bad_input, "output " + output + ": unknown extension '" + ext + "', use .vtu or .json");
+      usage("output " + output + ": unknown extension '" + ext + "', use .vtu or .json");
     }
   }
+  check_outputs(c.input.path, c.outputs);
   const Run run = common.run();
   const Skeleton skeleton = c.input.read(c.options.network);
   // one element of the blocks' own degree each: what a viewer can show of them
@@ -67,7 +68,7 @@ void run_blocks(BlocksCommand& c, Common& common) {
   const SkeletonMesh m = with_context(c.input.path, [&] { return mesh_skeleton(skeleton, c.options, run); });
   common.end_progress();
   for (const std::string& output : c.outputs) {
-    if (output.ends_with(".json")) {
+    if (extension(output) == ".json") {
       write_json(blocks_json(m), output);
     } else {
       const std::vector<double> quality = measure_quality(m.result.mesh, run).element_scaled_jacobian;
@@ -107,10 +108,9 @@ void add_blocks_command(CLI::App& app, Common& common) {
   command->add_option("-o,--output", c->outputs, "Block file: .vtu (to look at) or .json; may be given several times")
       ->required();
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
-  common.add_to(*command);
-  command->callback([c, &common] { run_blocks(*c, common); });
+  common.add_to(*command, [c, &common] { run_blocks(*c, common); });
 }
 
 }  // namespace vasohex::cli

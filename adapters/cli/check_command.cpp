@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "option_checks.h"
 #include "report.h"
 #ifdef VASOHEX_HAS_GMSH
 #include "gmsh/read_msh.h"
@@ -16,6 +17,9 @@ struct CheckCommand {
 
 void run_check(const CheckCommand& c, Common& common) {
 #ifdef VASOHEX_HAS_GMSH
+  if (!c.json.empty()) {
+    check_outputs(c.path, {c.json});
+  }
   const Run run = common.run();
   const HexMesh mesh = read_msh(c.path, run);
   const QualityReport quality = measure_quality(mesh, run);
@@ -51,8 +55,7 @@ void add_check_command(CLI::App& app, Common& common) {
   auto c = std::make_shared<CheckCommand>();
   command->add_option("MESH", c->path, "MSH file of complete hexahedra")->required();
   command->add_option("--json", c->json, "File for the figures");
-  common.add_to(*command);
-  command->callback([c, &common] { run_check(*c, common); });
+  common.add_to(*command, [c, &common] { run_check(*c, common); });
 }
 
 }  // namespace vasohex::cli

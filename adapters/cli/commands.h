@@ -2,6 +2,7 @@
 /// \file The commands of the program. Each adds itself to the command line; its callback runs it.
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 
 #include "vasohex/core/run.h"
@@ -16,9 +17,11 @@ struct Common {
   int threads = 0;
   bool quiet = false;
   bool verbose = false;
+  std::string config;
   int exit_code = done;
 
-  void add_to(CLI::App& command);
+  /// Adds the common options; `run` is what the command does, called when all options are known.
+  void add_to(CLI::App& command, std::function<void()> run);
   /// Progress on a terminal (stderr), messages with -v.
   Run run() const;
   /// Wipes the progress line.

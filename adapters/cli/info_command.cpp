@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "mesh_options.h"
+#include "option_checks.h"
 #include "report.h"
 
 namespace vasohex::cli {
@@ -18,6 +19,9 @@ struct InfoCommand {
 nlohmann::ordered_json xyz(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 void run_info(const InfoCommand& c, Common& common) {
+  if (!c.json.empty()) {
+    check_outputs(c.input.path, {c.json});
+  }
   NetworkOptions options;
   const Skeleton skeleton = c.input.read(options);
   const Run run = common.run();
@@ -94,8 +98,7 @@ void add_info_command(CLI::App& app, Common& common) {
   auto c = std::make_shared<InfoCommand>();
   c->input.add_to(*command);
   command->add_option("--json", c->json, "File for the figures");
-  common.add_to(*command);
-  command->callback([c, &common] { run_info(*c, common); });
+  common.add_to(*command, [c, &common] { run_info(*c, common); });
 }
 
 }  // namespace vasohex::cli

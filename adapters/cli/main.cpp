@@ -1,19 +1,30 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <new>
 
 #include "commands.h"
+#include "config_file.h"
+#include "option_checks.h"
 #include "vasohex/core/error.h"
 
 namespace vasohex::cli {
 
-void Common::add_to(CLI::App& command) {
+void Common::add_to(CLI::App& command, std::function<void()> run) {
   command.add_option("--threads", threads, "Threads; 0: all cores. The result does not depend on it")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number(0))
       ->capture_default_str();
   command.add_flag("-q,--quiet", quiet, "Print errors only");
   command.add_flag("-v,--verbose", verbose, "Print messages of the stages");
+  command.add_option("--config", config, "File with any of these options, as `order = 3`; the command line wins");
+  command.callback([this, &command, run = std::move(run)] {
+    if (!config.empty()) {
+      read_config(command, config);
+    }
+    run();
+  });
 }
 
 Run Common::run() const {
@@ -46,13 +57,33 @@ double Stopwatch::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count() - start_;
 }
 
+namespace {
+
+/// What CLI11 has to say, on one line, and where to read on.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> commands = app.get_subcommands();
+  std::string text = error.what(), help = "vasohex --help";
+  if (!commands.empty()) {
+    help = "vasohex " + commands.front()->get_name() + " --help";
+  } else if (const std::vector<std::string> unknown = app.remaining(); !unknown.empty()) {
+    text = "unknown command or option '" + unknown.front() + "'; the commands are";
+    for (const CLI::App* command : app.get_subcommands(nullptr)) {
+      text += " " + command->get_name();
+    }
+  }
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text + "; see `" + help + "`";
+}
+
+}  // namespace
 }  // namespace vasohex::cli
 
 int main(int argc, char** argv) {
   using namespace vasohex::cli;
   CLI::App app{"vasohex: structured hexahedral meshes of vascular networks, of any order, proven valid.\n"
                "Exit status: 0 done and valid, 1 internal error, 2 bad input or usage, 3 written but invalid elements "
-               "remain."};
+               "remain.",
+               "vasohex"};
   app.set_version_flag("--version", VASOHEX_VERSION);
   app.require_subcommand(1);
   Common common;
@@ -64,11 +95,19 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return common.exit_code;
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? done : bad_input;
+    if (e.get_exit_code() == 0) {  // --help, --version
+      return app.exit(e);
+    }
+    std::fprintf(stderr, "vasohex: %s\n", usage_message(app, e).c_str());
+    return bad_input;
   } catch (const vasohex::Error& e) {
     common.end_progress();
     std::fprintf(stderr, "vasohex: %s\n", e.what());
     return e.code() == vasohex::ErrorCode::internal ? internal_error : bad_input;
+  } catch (const std::bad_alloc&) {
+    common.end_progress();
+    std::fprintf(stderr, "vasohex: not enough memory for this mesh; ask for fewer elements or a lower order\n");
+    return bad_input;
   } catch (const std::exception& e) {
     common.end_progress();
     std::fprintf(stderr, "vasohex: internal error: %s\n", e.what());

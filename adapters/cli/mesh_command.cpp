@@ -1,12 +1,12 @@
 #include <cstdio>
-#include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "commands.h"
 #include "gmsh/write_msh.h"
 #include "mesh_options.h"
+#include "option_checks.h"
 #include "report.h"
-#include "vasohex/core/atomic_file.h"
 #include "vtk/write_vtu.h"
 
 namespace vasohex::cli {
@@ -16,13 +16,12 @@ struct MeshCommand {
   SkeletonInput input;
   std::vector<std::string> outputs;
   SkeletonMeshOptions options;
-  std::string first_layer = "0.05r", nodes = "equispaced", json;
+  std::string nodes = "equispaced", json;
   int layers = 0;
-  double growth = 1.2;
+  std::optional<std::string> first_layer;
+  std::optional<double> growth;
   std::vector<std::string> sheets;
 };
-
-[[noreturn]] void usage(const std::string& message) { throw Error(ErrorCode::bad_input, message); }
 
 /// `0.02r`: relative to the local radius; `0.1`: in the mesh's unit.
 void read_first_layer(const std::string& text, WallLayers& layers) {
@@ -53,8 +52,6 @@ Grading::Request read_sheet(const std::string& text) {
   return request;
 }
 
-std::string extension(const std::string& path) { return std::filesystem::path(path).extension().string(); }
-
 void check_output(const std::string& path, const MeshOptions& mesh) {
   const std::string ext = extension(path);
   if (ext != ".msh" && ext != ".vtu") {
@@ -67,27 +64,21 @@ void check_output(const std::string& path, const MeshOptions& mesh) {
   if (mesh.family == NodeFamily::gauss_lobatto && mesh.order >= 3) {
     usage("output " + path + ": Gauss-Lobatto nodes cannot be written there from order 3 on, use --nodes equispaced");
   }
-  AtomicFile probe(path);  // an unwritable place shows before the work, not after it
 }
 
 void run_mesh(MeshCommand& c, Common& common) {
   const Stopwatch total;
-  if (c.options.mesh.order < 1) {
-    usage("--order " + std::to_string(c.options.mesh.order) + ": must be at least 1");
-  }
-  if (c.options.grading.elements < 1) {
-    usage("--elements " + std::to_string(c.options.grading.elements) + ": must be at least 1");
-  }
   c.options.mesh.family = c.nodes == "equispaced" ? NodeFamily::equispaced : NodeFamily::gauss_lobatto;
   if (c.layers > 0) {
     WallLayers layers;
     layers.layers = c.layers;
-    layers.growth = c.growth;
-    read_first_layer(c.first_layer, layers);
-    if (!(layers.growth > 0)) {
-      usage("--growth " + std::to_string(layers.growth) + ": must be > 0");
+    layers.growth = c.growth.value_or(layers.growth);
+    if (c.first_layer) {
+      read_first_layer(*c.first_layer, layers);
     }
     c.options.grading.layers = layers;
+  } else if (c.first_layer || c.growth) {
+    usage(std::string(c.first_layer ? "--first-layer" : "--growth") + ": there are no layers; give --layers too");
   }
   for (const std::string& s : c.sheets) {
     c.options.grading.requests.push_back(read_sheet(s));
@@ -95,9 +86,11 @@ void run_mesh(MeshCommand& c, Common& common) {
   for (const std::string& output : c.outputs) {
     check_output(output, c.options.mesh);
   }
+  std::vector<std::string> files = c.outputs;
   if (!c.json.empty()) {
-    AtomicFile probe(c.json);
+    files.push_back(c.json);
   }
+  check_outputs(c.input.path, files);
   const Run run = common.run();
   Stopwatch reading;
   const Skeleton skeleton = c.input.read(c.options.network);
@@ -207,29 +200,36 @@ void add_mesh_command(CLI::App& app, Common& common) {
   c->input.add_to(*command);
   command->add_option("-o,--output", c->outputs, "Mesh file: .msh (Gmsh 4.1) or .vtu; may be given several times")
       ->required();
-  command->add_option("-p,--order", c->options.mesh.order, "Polynomial order")->capture_default_str();
-  command->add_option("-n,--elements", c->options.grading.elements, "Elements per block edge")->capture_default_str();
-  command->add_option("--radial", c->options.grading.radial, "Elements from the core to the wall");
-  command->add_option("--axial", c->options.grading.axial, "Elements along each block of a vessel");
-  command->add_option("--core", c->options.grading.core, "Elements across the core: a quarter of the circumference");
+  command->add_option("-p,--order", c->options.mesh.order, "Polynomial order")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  command->add_option("-n,--elements", c->options.grading.elements, "Elements per block edge")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  command->add_option("--radial", c->options.grading.radial, "Elements from the core to the wall")
+      ->check(whole_number(1));
+  command->add_option("--axial", c->options.grading.axial, "Elements along each block of a vessel")
+      ->check(whole_number(1));
+  command->add_option("--core", c->options.grading.core, "Elements across the core: a quarter of the circumference")
+      ->check(whole_number(1));
   command->add_option("--sheet", c->sheets, "NAME=COUNT: elements of one sheet of block edges");
   command->add_option("--layers", c->layers, "Layers of elements along the wall; 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number(0))
       ->capture_default_str();
-  command
-      ->add_option("--first-layer", c->first_layer, "Height of the layer at the wall: 0.02r (local radii) or 0.1 (unit)")
-      ->capture_default_str();
-  command->add_option("--growth", c->growth, "Height of each layer over that before it")->capture_default_str();
+  command->add_option("--first-layer", c->first_layer,
+                      "Height of the layer at the wall: 0.02r (local radii) or 0.1 (unit)")
+      ->default_str("0.05r");
+  command->add_option("--growth", c->growth, "Height of each layer over that before it")
+      ->check(positive_number())
+      ->default_str("1.2");
   command->add_option("--nodes", c->nodes, "Nodes within an element")
       ->check(CLI::IsMember({"equispaced", "gauss_lobatto"}))
       ->capture_default_str();
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command->add_option("--json", c->json, "File for the figures");
-  common.add_to(*command);
-  command->set_config("--config", "", "File with any of these options, as `order=3`");
-  command->callback([c, &common] { run_mesh(*c, common); });
+  common.add_to(*command, [c, &common] { run_mesh(*c, common); });
 }
 
 }  // namespace vasohex::cli

@@ -2,8 +2,10 @@
 /// \file Options that `mesh` and `blocks` share: how a skeleton becomes blocks.
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
+#include "option_checks.h"
 #include "vasohex/skeleton/read_skeleton.h"
 #include "vasohex/vasohex.h"
 
@@ -12,22 +14,21 @@ namespace vasohex::cli {
 struct SkeletonInput {
   std::string path;
   std::string units;
-  int inlet = -1;
+  std::optional<int> inlet;
 
   void add_to(CLI::App& command) {
     command.add_option("INPUT", path, "Skeleton: .swc or .json (vascular-graph-1)")->required();
     command.add_option("--units", units, "Unit of the input: um, mm, cm or m. Overrides what the file says")
         ->check(CLI::IsMember({"um", "mm", "cm", "m"}));
-    command.add_option("--inlet", inlet, "Point of the skeleton (index from 0, in file order) whose end is the inlet");
+    command.add_option("--inlet", inlet, "Point of the skeleton (index from 0, in file order) whose end is the inlet")
+        ->check(whole_number(0));
   }
   Skeleton read(NetworkOptions& options) const {
     Skeleton skeleton = read_skeleton(path);
     if (!units.empty()) {
       skeleton.units = units;
     }
-    if (inlet >= 0) {
-      options.inlet = inlet;
-    }
+    options.inlet = inlet;
     return skeleton;
   }
 };

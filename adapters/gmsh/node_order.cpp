@@ -61,8 +61,8 @@ void append_hex(int start, int order, std::vector<Place>& places) {
   for (int c = 0; c < 8; ++c) {
     const int i = (c ^ c >> 1) & 1, j = c >> 1 & 1, k = c >> 2;
     corner[c] = {start + order * i, start + order * j, start + order * k};
+    places.push_back(corner[c]);
   }
-  places.insert(places.end(), corner.begin(), corner.end());
   for (const auto& [a, b] : kEdges) {
     append_edge(corner[a], corner[b], order, places);
   }

@@ -158,19 +158,19 @@ std::string physical_name(int dimension, int tag, const std::string& fallback) {
 }
 
 void read_elements(HexMesh& mesh, std::unordered_map<std::size_t, int>& row) {
-  std::vector<std::size_t> hexes;
-  for (Elements& e : elements_of(3, -1)) {
-    const int order = hex_order_of(e);
-    if (!hexes.empty()) {
-      throw Error(ErrorCode::bad_input,
-                  "it holds hexahedra of orders " + std::to_string(std::min(mesh.order, order)) + " and " +
-                      std::to_string(std::max(mesh.order, order)) + ": all must have the same order");
-    }
-    mesh.order = order;
-    hexes = std::move(e.nodes);
-  }
-  if (hexes.empty()) {
+  std::vector<Elements> kinds = elements_of(3, -1);
+  if (kinds.empty()) {
     throw Error(ErrorCode::bad_input, "it holds no hexahedra");
+  }
+  for (const Elements& e : kinds) {
+    mesh.order = hex_order_of(e);
+  }
+  const std::vector<std::size_t> hexes = std::move(kinds[0].nodes);
+  // Gmsh 4.8 shows only the first kind of the hexahedra of one entity, but counts all
+  double count = 0;
+  gmsh::option::getNumber("Mesh.NbHexahedra", count);
+  if (kinds.size() > 1 || hexes.size() != count * mesh.nodes_per_element()) {
+    throw Error(ErrorCode::bad_input, "it holds hexahedra of several orders: all must have the same");
   }
 
   std::vector<std::size_t> tags;

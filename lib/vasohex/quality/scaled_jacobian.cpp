@@ -46,7 +46,7 @@ std::vector<double> scaled_jacobian(int order, NodeFamily family, std::span<cons
   const kernel::JacobianKernel& kernel = kernel::jacobian_kernel();
   const std::size_t lanes = kernel.lanes;
   std::vector<double> result(count);
-  const std::size_t grain = order <= 3 ? 32 * kernel::kMaxLanes : kernel::kMaxLanes;
+  const std::size_t grain = order <= 3 ? 64 * kernel::kMaxLanes : kernel::kMaxLanes;
   for_elements(run, "scaled Jacobian", count, grain, [&](std::size_t begin, std::size_t end) {
     KernelScratch scratch(kernel.scratch_bytes(order));
     for (std::size_t e = begin; e < end; e += lanes) {

@@ -210,7 +210,7 @@ std::vector<Validity> certify(int order, NodeFamily family, std::span<const Vec3
   const std::size_t per_element = nodes_per_hex(order), lanes = kernel.lanes;
   std::vector<Validity> result(count);
   // groups of kMaxLanes elements: the ranges must not depend on the processor
-  const std::size_t grain = order <= 3 ? 8 * kernel::kMaxLanes : kernel::kMaxLanes;
+  const std::size_t grain = order <= 3 ? 64 * kernel::kMaxLanes : kernel::kMaxLanes;
   for_elements(run, "certify", count, grain, [&](std::size_t begin, std::size_t end) {
     KernelScratch scratch(kernel.scratch_bytes(order));
     const double* coefficients = static_cast<const double*>(scratch.get());

@@ -29,8 +29,8 @@ struct Validity {
 /// `elements` is [n][(order + 1)^3] indices into `nodes`, lexicographic, on the nodes of `family`; order 1 to 9, else
 /// Error bad_input, as for indices that are not in `nodes`. Coordinates count as exact. Every coefficient is known to
 /// an allowance a * L1 * L2 * L3, L_d the largest control vector of dx/du_d, a proven bound of the rounding (2e-14,
-/// 1e-13 and 1e-12 at orders 1, 3 and 9); `certified` means coefficients above it, `invalid` a value below minus it,
-/// so neither is ever wrong. The result is the same to the last bit for any number of threads and any processor.
+/// 1e-13 and 6.5e-13 at orders 1, 3 and 9); `certified` means coefficients above it, `invalid` a value below minus
+/// it, so neither is ever wrong. The result is the same to the last bit for any number of threads and any processor.
 std::vector<Validity> certify(int order, NodeFamily family, std::span<const Vec3> nodes,
                               std::span<const int> elements, const Run& run = {});
 

@@ -28,11 +28,11 @@ struct NetworkOptions {
 ///   curve through it. Axes are C2 inside a branch and through such junctions.
 /// - Points closer than about their radius are smoothed as far as their noise asks for, others are interpolated. No
 ///   point moves by more than 0.2 radii (0.75 at bends sharper than the radius), no radius changes by more than 20 %,
-///   except that
-///   + where a node is more than 15 % wider than a branch one node radius away from it, the branch keeps its own
-///   radius
-///     up to the node: a skeleton has but one radius per point, that of the widest branch;
-///   + radii change along the axis by at most 0.75 per length, steeper bulges are lowered.
+///   except as follows.
+/// - Where a node is more than 15 % wider than a branch one node radius away from it, the branch keeps its own radius
+///   up to the node: a skeleton has but one radius per point, that of the widest branch.
+/// - Radii change along the axis by at most 0.75 per length between points; steeper bulges are lowered.
+/// - Points where a branch turns back sharply and loops too short for a hole are left out (see straighten).
 /// - NetworkNode::radius is the largest radius of the branches that meet there.
 /// - Ends: names given win; then per component, the largest volume first, `inlet`, `inlet_2`, ... and, ascending by
 ///   point, `outlet_1`, `outlet_2`, ...

@@ -147,6 +147,20 @@ BlendWeight Blending::weight(int joint, const Vec3& x) const {
   return {1 - rest, gradient};
 }
 
+bool Blending::are_siblings(int joint, int piece, int other) const {
+  if (joints[joint].size() < 2) {
+    return false;  // a lone node or a cut: all its pieces meet there
+  }
+  for (const int a : nodes_of[piece]) {
+    for (const int b : nodes_of[other]) {
+      if (a >= 0 && a == b) {
+        return false;
+      }
+    }
+  }
+  return std::abs(piece - other) != 1 || nodes_of[std::min(piece, other)][1] >= 0;
+}
+
 Blending make_blending(const Network& network) {
   const int nodes = static_cast<int>(network.nodes.size());
   const int branches = static_cast<int>(network.branches.size());
@@ -166,6 +180,11 @@ Blending make_blending(const Network& network) {
     pieces += static_cast<int>(blending.cuts[b].size()) + 1;
   }
   blending.joints_of.resize(pieces);
+  blending.nodes_of.assign(pieces, {-1, -1});
+  for (int b = 0; b < branches; ++b) {
+    blending.nodes_of[blending.first_piece[b]][0] = network.branches[b].nodes[0];
+    blending.nodes_of[blending.first_piece[b] + blending.cuts[b].size()][1] = network.branches[b].nodes[1];
+  }
 
   // Nodes whose balls meet along a branch form one joint.
   std::vector<int> parent(nodes);

@@ -6,9 +6,11 @@
 /// around it. Junctions so near each other that their balls meet form one joint: all their pieces blend around all
 /// their nodes. With F_c the fields of the pieces, the field of the network is
 ///     max over joints of ((1 - w) max_c F_c + w sum_c F_c),   c: the pieces of the joint,
-/// and F_c of pieces in no joint. Blending within one joint at a time: a piece that belongs to two must not make the
+/// and F_c of pieces in no joint. The sum counts two pieces that meet at no node (side branches of one trunk, from
+/// junctions close to each other) only where others of the joint are: beyond the trunk they are separate vessels. Blending within one joint at a time: a piece that belongs to two must not make the
 /// vessels of one merge with those of the other.
 
+#include <array>
 #include <vector>
 
 #include "vasohex/core/vec3.h"
@@ -34,6 +36,10 @@ struct Blending {
   std::vector<int> first_piece;           ///< [branch]: its pieces are first_piece + 0 ... cuts.size(), in order
   std::vector<std::vector<BlendBall>> joints;  ///< [joint]: the balls around its nodes
   std::vector<std::vector<int>> joints_of;     ///< [piece]: the joints it belongs to, ascending
+  std::vector<std::array<int, 2>> nodes_of;    ///< [piece]: nodes of the network where it starts and ends; -1: a cut
+
+  /// Whether both pieces lie in the joint and meet at no node, nor at a cut.
+  bool are_siblings(int joint, int piece, int other) const;
 
   /// 1 - product over the balls of a joint of (1 - weight).
   BlendWeight weight(int joint, const Vec3& x) const;

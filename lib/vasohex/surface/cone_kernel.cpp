@@ -1,6 +1,11 @@
 #include "vasohex/surface/cone_kernel.h"
 
+#include <array>
+#include <numbers>
+
 namespace vasohex {
+
+using std::numbers::pi;
 
 double cone_scale(double slope) {
   // F of the infinite cone of radius 1 at t = 0, on its surface: the integral over q = S^2 (1 + g t)^2 - 1 - t^2 > 0.
@@ -9,16 +14,23 @@ double cone_scale(double slope) {
   const double c0 = reach2 - 1, c1 = reach2 * g, c2 = reach2 * g * g - 1;
   const double root = std::sqrt(c1 * c1 - c0 * c2);
   const double from = (c1 - root) / -c2, to = (c1 + root) / -c2;
-  constexpr int steps = 32;  // the trapezoidal rule in an angle: the integrand is even and smooth there
-  constexpr double pi = 3.14159265358979323846;
+  // The trapezoidal rule in an angle, where the integrand is even and smooth: t = middle - half * cos(angle).
+  static const std::array<Eigen::Array2d, 31> circle = [] {
+    std::array<Eigen::Array2d, 31> points;
+    for (int k = 0; k < 31; ++k) {
+      const double angle = pi * (k + 1) / 32;
+      points[k] = {std::cos(angle), std::sin(angle)};
+    }
+    return points;
+  }();
   double sum = 0;
-  for (int k = 1; k < steps; ++k) {
-    const double angle = pi * k / steps;
-    const double t = 0.5 * (from + to) - 0.5 * (to - from) * std::cos(angle);
-    const double q = c0 + (2 * c1 + c2 * t) * t, r = 1 + g * t;
-    sum += q * q * q / std::pow(r, 7) * std::sin(angle);
+  for (const Eigen::Array2d& point : circle) {
+    const double t = 0.5 * (from + to) - 0.5 * (to - from) * point[0];
+    const double q = c0 + (2 * c1 + c2 * t) * t, inverse = 1 / (1 + g * t);
+    const double a = q * inverse * inverse;
+    sum += a * a * a * inverse * point[1];
   }
-  return 1 / (sum * 0.5 * (to - from) * pi / steps);
+  return 1 / (sum * 0.5 * (to - from) * pi / 32);
 }
 
 ConeSegment cone_segment(const Vec3& start, double start_radius, const Vec3& end, double end_radius, int piece) {
@@ -40,17 +52,32 @@ ConeNearest cone_nearest(const ConeSegment& segment, const Vec3& x) {
     ConeNearest nearest;
     nearest.point = segment.start + t * segment.direction;
     nearest.radius = segment.radius + segment.slope * t;
-    nearest.ratio = (x - nearest.point).norm() / nearest.radius;
+    const double distance = (x - nearest.point).norm();
+    nearest.ratio = distance / nearest.radius;
+    if (distance > 0) {
+      nearest.gradient = (x - nearest.point) / (distance * nearest.radius);
+    }
     return nearest;
   };
   // d/dt of (h^2 + (t - p)^2) / r^2 vanishes at t = p + g h^2 / r(p), a minimum when r(p) > 0.
   const double radius = segment.radius + segment.slope * p;
+  ConeNearest nearest;
   if (radius > 0) {
     const double h2 = (w - p * segment.direction).squaredNorm();
-    return at(std::clamp(p + segment.slope * h2 / radius, 0.0, segment.length));
+    nearest = at(std::clamp(p + segment.slope * h2 / radius, 0.0, segment.length));
+  } else {
+    const ConeNearest first = at(0), last = at(segment.length);
+    nearest = first.ratio <= last.ratio ? first : last;
   }
-  const ConeNearest first = at(0), last = at(segment.length);
-  return first.ratio <= last.ratio ? first : last;
+  if (segment.end_fade > 0) {
+    const double beyond = segment.end_normal.dot(x) - segment.end_offset - segment.end_fade;
+    const double end_radius = segment.end_fade / end_fade_radii;
+    if (beyond >= 0 && kernel_reach + beyond / end_radius > nearest.ratio) {
+      nearest.ratio = kernel_reach + beyond / end_radius;
+      nearest.gradient = segment.end_normal / end_radius;
+    }
+  }
+  return nearest;
 }
 
 }  // namespace vasohex

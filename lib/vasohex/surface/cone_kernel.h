@@ -21,6 +21,8 @@ inline constexpr double kernel_reach = 1.5;
 /// Power to which F falls with v on a straight tube: k + 1/2.
 inline constexpr double kernel_power = 3.5;
 
+/// Within how many radii a vessel fades beyond its free end.
+inline constexpr double end_fade_radii = 0.25;
 /// The share of the true curvature that makes bends rounder than any other once calibrated: torus of bend radius 1.5
 /// r 1.5 % off at worst without it, .3 % with it; bend radius 3 r .28 % and .03 %.
 inline constexpr double bend_correction = 0.75;
@@ -35,7 +37,12 @@ struct ConeSegment {
   double slope = 0;                ///< radius(t) = radius + slope * t, > 0 on [0, length]
   Vec3 curvature = Vec3::Zero();   ///< of the vessel here, times bend_correction, across the direction; * S r < 1
   double scale = 0;                ///< as cone_scale(slope), with the constants of the kernel
-  int piece = 0;                   ///< of the network (network_blend.h)
+  int piece = 0;                   ///< of the network (blending.h)
+  /// Beyond the plane normal . x = offset of a free end F fades to 0 within `fade` (a quintic step), so that what
+  /// stands in for the vessel behind its end does not reach its neighbours. 0: no end near.
+  Vec3 end_normal = Vec3::Zero();
+  double end_offset = 0;
+  double end_fade = 0;  ///< end_fade_radii times the radius at the end
 };
 
 /// What a segment, or a sum of segments, contributes at a point.
@@ -52,11 +59,12 @@ double cone_scale(double slope);
 /// A segment between two points that differ, with the radii there (> 0).
 ConeSegment cone_segment(const Vec3& start, double start_radius, const Vec3& end, double end_radius, int piece);
 
-/// The point of a segment with the least distance / radius from x.
+/// The point of a segment with the least distance / radius from x, for an x where F = 0.
 struct ConeNearest {
   Vec3 point = Vec3::Zero();
   double radius = 0;
-  double ratio = 0;  ///< |x - point| / radius
+  double ratio = 0;  ///< |x - point| / radius; where the segment has faded at least S + radii beyond the fading
+  Vec3 gradient = Vec3::Zero();  ///< of the ratio
 };
 ConeNearest cone_nearest(const ConeSegment& segment, const Vec3& x);
 
@@ -64,6 +72,17 @@ ConeNearest cone_nearest(const ConeSegment& segment, const Vec3& x);
 /// computed only when `with_gradient`.
 template <bool with_gradient>
 inline bool add_cone(const ConeSegment& segment, const Vec3& x, ConeSum& sum) {
+  double present = 1, present_slope = 0;
+  if (segment.end_fade > 0) {
+    const double s = (segment.end_normal.dot(x) - segment.end_offset) / segment.end_fade;
+    if (s >= 1) {
+      return false;
+    }
+    if (s > 0) {
+      present = 1 - s * s * s * (10 + s * (6 * s - 15));
+      present_slope = -30 * s * s * (1 - s) * (1 - s) / segment.end_fade;
+    }
+  }
   constexpr double reach2 = kernel_reach * kernel_reach;
   const Vec3 w = x - segment.start;
   const double length = segment.length, slope = segment.slope, radius = segment.radius;
@@ -108,14 +127,15 @@ inline bool add_cone(const ConeSegment& segment, const Vec3& x, ConeSum& sum) {
   const Eigen::Array4d b = a * q;                                                // / r: that of F
   const double value = (b * inverse).sum(), mean = b.sum();
   const double bend = 1 - segment.curvature.dot(w);
-  const double scale = segment.scale * h * bend;
+  const double scale = segment.scale * h * bend * present;
   sum.value += scale * value;
   sum.weighted_radius += scale * mean;
   if constexpr (with_gradient) {
     const Eigen::Array4d c = a * inverse;
     const double all = c.sum(), along = (c * t).sum();
     sum.gradient -=
-        6 * scale * (all * w - along * segment.direction) + (segment.scale * h * value) * segment.curvature;
+        6 * scale * (all * w - along * segment.direction) + (segment.scale * h * present * value) * segment.curvature;
+    sum.gradient += (segment.scale * h * bend * present_slope * value) * segment.end_normal;
   }
   return true;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -145,6 +145,38 @@ class ConvolutionSurface final : public ImplicitSurface {
     }
   }
 
+  /// Takes from `others` the lesser of two pieces that meet at no node, where no third piece of the joint is.
+  void separate_siblings(std::span<const PieceSums::Sum> sums, int joint, const ConeSum& greatest,
+                         ConeSum& others) const {
+    constexpr double present = 0.2;  // a field that counts as there; 1 is the wall
+    if (blending_->joints[joint].size() < 2) {
+      return;
+    }
+    const ConeSum all{greatest.value + others.value, 0, greatest.gradient + others.gradient};
+    const auto in_joint = [&](const PieceSums::Sum& sum) {
+      const std::vector<int>& joints = blending_->joints_of[sum.piece];
+      return std::find(joints.begin(), joints.end(), joint) != joints.end();
+    };
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (!in_joint(sums[i]) || !in_joint(sums[k]) ||
+            !blending_->are_siblings(joint, sums[i].piece, sums[k].piece)) {
+          continue;
+        }
+        const ConeSum& lesser = sums[i].value < sums[k].value ? sums[i] : sums[k];
+        const double t = std::max(0.0, all.value - sums[i].value - sums[k].value) / present;
+        if (t >= 1) {
+          continue;
+        }
+        const double absent = 1 - smooth_step(t);
+        const double slope = -30 * t * t * (1 - t) * (1 - t) / present;
+        others.value -= absent * lesser.value;
+        others.gradient -= absent * lesser.gradient +
+                           slope * lesser.value * (all.gradient - sums[i].gradient - sums[k].gradient);
+      }
+    }
+  }
+
   /// (1 - w) `greatest` + w (sum of the pieces of a joint).
   template <bool with_gradient>
   ConeSum blended(std::span<const PieceSums::Sum> sums, int joint, const ConeSum& greatest, const Vec3& x) const {
@@ -158,6 +190,7 @@ class ConvolutionSurface final : public ImplicitSurface {
         others.gradient += sum.gradient;
       }
     }
+    separate_siblings(sums, joint, greatest, others);
     const BlendWeight weight = blending_->weight(joint, x);
     ConeSum field = greatest;
     field.value += weight.value * others.value;
@@ -189,7 +222,7 @@ class ConvolutionSurface final : public ImplicitSurface {
     }
     const ConeNearest nearest = tree_.nearest(x);
     if constexpr (with_gradient) {
-      *gradient = (x - nearest.point) / (nearest.ratio * nearest.radius * nearest.radius);
+      *gradient = nearest.gradient;
     }
     return nearest.ratio - 1;
   }
@@ -341,6 +374,22 @@ void prolong(const Axis& axis, bool at_last, std::vector<ConeSegment>& segments)
   }
 }
 
+/// Lets the segments of a branch fade beyond the plane of its end; of two ends, beyond that of the nearer.
+void fade_beyond_end(const Axis& axis, bool at_last, std::span<ConeSegment> segments) {
+  const AxisPoint& end = at_last ? axis.target.back() : axis.target.front();
+  const AxisPoint& other = at_last ? axis.target.front() : axis.target.back();
+  const Vec3 outward = at_last ? end.tangent : Vec3(-end.tangent);
+  for (ConeSegment& segment : segments) {
+    const double distance = (segment.start - end.position).norm();
+    if (distance < 2 * kernel_reach * end.radius &&
+        (segment.end_fade == 0 || distance < (segment.start - other.position).norm())) {
+      segment.end_normal = outward;
+      segment.end_offset = outward.dot(end.position);
+      segment.end_fade = end_fade_radii * end.radius;
+    }
+  }
+}
+
 /// For the segment after sample k: at most what keeps its kernel positive.
 Vec3 curvature(const Axis& axis, std::size_t k, const ConeSegment& segment) {
   const Vec3 turn = axis.target[k + 1].tangent - axis.target[k].tangent;
@@ -355,6 +404,7 @@ std::vector<ConeSegment> make_segments(const Network& network, const std::vector
   std::vector<ConeSegment> segments;
   for (std::size_t b = 0; b < axes.size(); ++b) {
     const Axis& axis = axes[b];
+    const std::size_t first = segments.size();
     const auto point = [&](std::size_t k) { return Vec3(axis.target[k].position + axis.shift[k]); };
     const auto radius = [&](std::size_t k) { return axis.factor[k] * axis.target[k].radius; };
     for (std::size_t k = 0; k + 1 < axis.arc.size(); ++k) {
@@ -367,6 +417,7 @@ std::vector<ConeSegment> make_segments(const Network& network, const std::vector
     for (int side = 0; side < 2; ++side) {
       if (network.nodes[network.branches[b].nodes[side]].degree == 1) {
         prolong(axis, side == 1, segments);
+        fade_beyond_end(axis, side == 1, std::span(segments).subspan(first));
       }
     }
   }
@@ -417,12 +468,11 @@ std::optional<double> ray_length(const PieceView& surface, const AxisPoint& from
 
 std::optional<Section> measure(const PieceView& surface, const AxisPoint& target, const Vec3& normal) {
   constexpr int rays = 8;
-  constexpr double pi = 3.14159265358979323846;
   const Vec3 binormal = target.tangent.cross(normal);
   Section section;
   section.mean = 0;
   for (int k = 0; k < rays; ++k) {
-    const double angle = 2 * pi * k / rays;
+    const double angle = 2 * std::numbers::pi * k / rays;
     const Vec3 direction = std::cos(angle) * normal + std::sin(angle) * binormal;
     const std::optional<double> length = ray_length(surface, target, direction);
     if (!length) {

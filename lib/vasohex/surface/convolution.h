@@ -16,7 +16,9 @@ struct ConvolutionOptions {
 };
 
 /// The surface that a network describes. value = |x - axis| / radius - 1 on a straight tube, and close to it
-/// elsewhere, dimensionless; C2 where vessels that blend are smooth, continuous where separate vessels touch.
+/// elsewhere, dimensionless. C2 up to half a radius off each vessel (value < .5); beyond, the least |x - axis| /
+/// radius - 1 of all vessels: continuous, a bound for culling. Where vessels that do not blend touch, the union, with
+/// its crease.
 ///
 /// Away from junctions the distance from the axis to the surface is the branch's radius: within 1 % for bends of 1.5
 /// radii or more and slopes up to .3. Branches blend around the nodes that they share and nowhere else (blending.h).

@@ -1,0 +1,30 @@
+# What find_package(vasohex CONFIG) finds after an installation. The Gmsh reader has a file of its own, so that programs
+# which do not ask for it need no Gmsh.
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vasohex)
+
+set_target_properties(vasohex_msh PROPERTIES EXPORT_NAME msh)
+set_target_properties(vasohex_vtu PROPERTIES EXPORT_NAME vtu)
+install(TARGETS vasohex vasohex_msh vasohex_vtu EXPORT vasohexTargets)
+install(EXPORT vasohexTargets NAMESPACE vasohex:: DESTINATION ${package_dir})
+if(VASOHEX_GMSH)
+  set_target_properties(vasohex_gmsh PROPERTIES EXPORT_NAME gmsh)
+  install(TARGETS vasohex_gmsh EXPORT vasohexGmshTargets)
+  install(EXPORT vasohexGmshTargets NAMESPACE vasohex:: DESTINATION ${package_dir})
+  install(FILES ${CMAKE_CURRENT_LIST_DIR}/FindGmshSdk.cmake DESTINATION ${package_dir})
+endif()
+
+install(DIRECTORY lib/vasohex DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(FILES adapters/gmsh/write_msh.h adapters/gmsh/node_order.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/gmsh)
+if(VASOHEX_GMSH)
+  install(FILES adapters/gmsh/read_msh.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/gmsh)
+endif()
+install(FILES adapters/vtk/write_vtu.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/vtk)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/vasohexConfig.cmake.in
+  ${CMAKE_CURRENT_BINARY_DIR}/vasohexConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/vasohexConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/vasohexConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/vasohexConfigVersion.cmake
+  DESTINATION ${package_dir})

@@ -1,0 +1,185 @@
+#pragma once
+/// \file Skeletons that tests run over: one of every kind that matters.
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "vasohex/skeleton/skeleton.h"
+
+namespace vasohex::gallery {
+
+struct Shape {
+  std::string name;
+  Skeleton skeleton;
+  int components = 1;
+  int loops = 0;
+  int ends = 2;
+};
+
+inline Vec3 spherical(double azimuth, double elevation) {
+  const double a = azimuth * std::numbers::pi / 180, e = elevation * std::numbers::pi / 180;
+  return {std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)};
+}
+
+/// Straight arms from a common point: directions, radii; each `length` long.
+inline Skeleton star(const std::vector<Vec3>& directions, const std::vector<double>& radii, double length) {
+  Skeleton s;
+  s.points.push_back(Vec3::Zero());
+  s.radii.push_back(*std::max_element(radii.begin(), radii.end()));
+  for (std::size_t a = 0; a < directions.size(); ++a) {
+    int before = 0;
+    const int steps = static_cast<int>(length / radii[a]);
+    for (int i = 1; i <= steps; ++i) {
+      s.points.push_back(length * i / steps * directions[a].normalized());
+      s.radii.push_back(radii[a]);
+      s.segments.push_back({before, static_cast<int>(s.points.size()) - 1});
+      before = static_cast<int>(s.points.size()) - 1;
+    }
+  }
+  return s;
+}
+
+/// A curve sampled at t = i / pieces, i = 0 ... pieces; closed: the last sample is the first.
+inline Skeleton curve(const std::function<Vec3(double)>& at, double radius, int pieces, bool closed) {
+  Skeleton s;
+  for (int i = 0; i < pieces + (closed ? 0 : 1); ++i) {
+    s.points.push_back(at(static_cast<double>(i) / pieces));
+    s.radii.push_back(radius);
+    if (i > 0) {
+      s.segments.push_back({i - 1, i});
+    }
+  }
+  if (closed) {
+    s.segments.push_back({pieces - 1, 0});
+  }
+  return s;
+}
+
+inline Skeleton torus(double bend_radius, double radius) {
+  return curve(
+      [=](double t) {
+        return Vec3(bend_radius * std::cos(2 * std::numbers::pi * t), bend_radius * std::sin(2 * std::numbers::pi * t), 0);
+      },
+      radius, 48, true);
+}
+
+inline Skeleton tube(double length, double radius) {
+  return curve([=](double t) { return Vec3(0.3 * length * t, 0.8 * length * t, std::sqrt(0.27) * length * t); }, radius,
+               static_cast<int>(length / radius), false);
+}
+
+/// Puts b beside a.
+inline Skeleton both(Skeleton a, const Skeleton& b, const Vec3& shift) {
+  const int base = static_cast<int>(a.points.size());
+  for (const Vec3& p : b.points) {
+    a.points.push_back(p + shift);
+  }
+  a.radii.insert(a.radii.end(), b.radii.begin(), b.radii.end());
+  for (const auto& [p, q] : b.segments) {
+    a.segments.push_back({p + base, q + base});
+  }
+  return a;
+}
+
+/// A chain of two junctions `gap` apart, four arms in different planes.
+inline Skeleton linked(double gap) {
+  Skeleton s;
+  s.points = {Vec3(0, 0, 0), Vec3(gap, 0, 0)};
+  s.radii = {1, 1};
+  s.segments = {{0, 1}};
+  const auto arm = [&](int from, const Vec3& direction, double radius) {
+    int before = from;
+    const Vec3 start = s.points[from];
+    for (int i = 1; i <= 6; ++i) {
+      s.points.push_back(start + i * direction.normalized());
+      s.radii.push_back(radius);
+      s.segments.push_back({before, static_cast<int>(s.points.size()) - 1});
+      before = static_cast<int>(s.points.size()) - 1;
+    }
+  };
+  arm(0, {-1, 0.2, 0}, 1);
+  arm(0, {-0.2, -1, 0.3}, 0.6);
+  arm(1, {1, 0.1, 0.1}, 0.9);
+  arm(1, {0.3, 0.2, 1}, 0.6);
+  return s;
+}
+
+/// A ring with two arms: one loop, two junctions, two branches between them.
+inline Skeleton ring_with_arms() {
+  Skeleton s = torus(6, 1);
+  for (const int side : {1, -1}) {
+    int before = side == 1 ? 0 : 24;
+    for (int i = 1; i <= 6; ++i) {
+      s.points.push_back(Vec3(side * (6 + i), 0, 0.1 * i));
+      s.radii.push_back(0.8);
+      s.segments.push_back({before, static_cast<int>(s.points.size()) - 1});
+      before = static_cast<int>(s.points.size()) - 1;
+    }
+  }
+  return s;
+}
+
+/// Arms in random directions at least `least` degrees apart, radii between 2/3 and 4/3.
+inline Skeleton random_star(int arms, int seed, double least) {
+  std::mt19937 random(1000 * arms + seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vec3> directions;
+  for (int tries = 0; static_cast<int>(directions.size()) < arms; ++tries) {
+    if (tries > 2000) {
+      directions.clear();
+      tries = 0;
+    }
+    Vec3 d(normal(random), normal(random), normal(random));
+    d.normalize();
+    bool free = true;
+    for (const Vec3& e : directions) {
+      free = free && d.dot(e) < std::cos(least * std::numbers::pi / 180);
+    }
+    if (free) {
+      directions.push_back(d);
+    }
+  }
+  std::vector<double> radii;
+  for (int a = 0; a < arms; ++a) {
+    radii.push_back(std::pow(2.0, uniform(random)) / 1.5);
+  }
+  return star(directions, radii, 9);
+}
+
+inline std::vector<Shape> shapes() {
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  std::vector<Shape> all;
+  all.push_back({"tube", tube(8, 1), 1, 0, 2});
+  all.push_back({"torus", torus(4, 1), 1, 1, 0});
+  all.push_back({"helix", curve([](double t) { return Vec3(3 * std::cos(9 * t), 3 * std::sin(9 * t), 12 * t); }, 1, 40,
+                                false)});
+  all.push_back({"taper", [] {
+                   Skeleton s = tube(10, 1);
+                   for (std::size_t i = 0; i < s.radii.size(); ++i) {
+                     s.radii[i] = 1.4 - 0.08 * i;
+                   }
+                   return s;
+                 }()});
+  all.push_back({"bend", star({spherical(0, 0), spherical(130, 0)}, {1, 1}, 6)});
+  all.push_back({"Y 120", star({spherical(0, 0), spherical(120, 0), spherical(240, 0)}, {1, 1, 1}, 6), 1, 0, 3});
+  all.push_back({"iliac", star({-y, spherical(65, 0), spherical(115, 0)}, {1, 0.75, 0.75}, 6), 1, 0, 3});
+  all.push_back({"T thin", star({x, -x, y}, {1, 1, 0.25}, 5), 1, 0, 3});
+  all.push_back({"trifurcation", star({-z, spherical(0, 50), spherical(120, 50), spherical(240, 50)},
+                                      {1.2, 0.8, 0.8, 0.8}, 6),
+                 1, 0, 4});
+  all.push_back({"cross", star({x, y, -x, -y}, {1, 1, 1, 1}, 5), 1, 0, 4});
+  all.push_back({"six axes", star({x, -x, y, -y, z, -z}, {1, 1, 1, 1, 1, 1}, 5), 1, 0, 6});
+  all.push_back({"linked 1.2 r", linked(1.2), 1, 0, 4});
+  all.push_back({"linked 2.5 r", linked(2.5), 1, 0, 4});
+  all.push_back({"apart 6 r", linked(6), 1, 0, 4});
+  all.push_back({"ring with arms", ring_with_arms(), 1, 1, 2});
+  all.push_back({"tube and torus", both(tube(8, 1), torus(4, 1), Vec3(20, 0, 0)), 2, 1, 2});
+  return all;
+}
+
+}  // namespace vasohex::gallery

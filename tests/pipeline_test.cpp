@@ -1,0 +1,263 @@
+// From skeletons to meshes: properties that hold for every shape and every order.
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "gallery.h"
+#include "mesh_properties.h"
+#include "vasohex/core/node_family.h"
+#include "vasohex/quality/quality_report.h"
+#include "vasohex/vasohex.h"
+
+namespace vasohex {
+namespace {
+
+SkeletonMeshOptions with(int order, int elements, NodeFamily family = NodeFamily::equispaced) {
+  SkeletonMeshOptions options;
+  options.mesh = {order, family};
+  options.grading.elements = elements;
+  return options;
+}
+
+/// Exact volume of the curved elements by Gauss-Lobatto quadrature of det J, of degree 3p - 1.
+double volume(const HexMesh& mesh) {
+  const int p = mesh.order, n = p + 1;
+  const int q = (3 * p) / 2 + 2;
+  const std::vector<double> nodes = family_nodes(mesh.family, p);
+  const std::vector<double> at = family_nodes(NodeFamily::gauss_lobatto, q);
+  std::vector<double> weight(q + 1);
+  for (int i = 0; i <= q; ++i) {  // w = 1 / (q (q + 1) P_q(x)^2) on [0, 1]
+    const double x = 2 * at[i] - 1;
+    double before = 1, value = x;
+    for (int k = 2; k <= q; ++k) {
+      const double next = ((2 * k - 1) * x * value - (k - 1) * before) / k;
+      before = value;
+      value = next;
+    }
+    weight[i] = 1 / (q * (q + 1.0) * value * value);
+  }
+  const std::vector<double> v = lagrange_values(nodes, at), d = lagrange_derivatives(nodes, at);
+  double sum = 0;
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    const int* ids = &mesh.elements[static_cast<std::size_t>(e) * n * n * n];
+    for (int c = 0; c <= q; ++c) {
+      for (int b = 0; b <= q; ++b) {
+        for (int a = 0; a <= q; ++a) {
+          Vec3 j[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+          for (int k = 0; k < n; ++k) {
+            for (int m = 0; m < n; ++m) {
+              for (int i = 0; i < n; ++i) {
+                const Vec3& x = mesh.nodes[ids[i + n * (m + n * k)]];
+                j[0] += d[a * n + i] * v[b * n + m] * v[c * n + k] * x;
+                j[1] += v[a * n + i] * d[b * n + m] * v[c * n + k] * x;
+                j[2] += v[a * n + i] * v[b * n + m] * d[c * n + k] * x;
+              }
+            }
+          }
+          sum += weight[a] * weight[b] * weight[c] * j[0].dot(j[1].cross(j[2]));
+        }
+      }
+    }
+  }
+  return sum;
+}
+
+class Gallery : public testing::TestWithParam<int> {};
+
+TEST_P(Gallery, IsValidAndConformingAtEveryOrder) {
+  const gallery::Shape shape = gallery::shapes()[GetParam()];
+  SCOPED_TRACE(shape.name);
+  for (const int order : {1, 2, 3, 4}) {
+    SCOPED_TRACE("order " + std::to_string(order));
+    const SkeletonMesh m = mesh_skeleton(shape.skeleton, with(order, order == 1 ? 6 : 3));
+    const HexMesh& mesh = m.result.mesh;
+    EXPECT_EQ(mesh.order, order);
+    const auto topology = properties::expect_conforming(mesh);
+    EXPECT_EQ(topology.components, shape.components);
+    EXPECT_EQ(topology.loops, shape.loops);
+    ASSERT_EQ(static_cast<int>(mesh.surfaces.size()), 1 + shape.ends);
+    EXPECT_EQ(mesh.surfaces[0], "wall");
+    if (shape.ends > 0) {
+      EXPECT_EQ(mesh.surfaces[1], "inlet");
+    }
+    for (int s = 1; s <= shape.ends; ++s) {
+      const SectionFrame& end = m.blocks.ends[s - 1];
+      EXPECT_LT(properties::distance_from_plane(mesh, s, end.origin, end.normal()), 1e-9 * end.radius);
+    }
+    EXPECT_EQ(m.result.unconverged, 0);
+    EXPECT_LT(m.result.wall_residual_max, 1e-8);
+    EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));
+    const QualityReport q = measure_quality(mesh);
+    EXPECT_EQ(q.certified, mesh.element_count());
+    EXPECT_GT(q.scaled_jacobian.min, 0.4);
+    if (order == 1) {
+      EXPECT_GT(q.scaled_jacobian_linear.min, 0.35);
+      EXPECT_GT(q.scaled_jacobian_linear.mean, 0.93);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Gallery, testing::Range(0, static_cast<int>(gallery::shapes().size())),
+                         [](const auto& info) {
+                           std::string name = gallery::shapes()[info.param].name;
+                           std::erase_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
+                           return name;
+                         });
+
+TEST(RandomJunctions, AreCertified) {
+  for (int arms = 3; arms <= 5; ++arms) {
+    for (int seed = 0; seed < 6; ++seed) {
+      SCOPED_TRACE(std::to_string(arms) + " arms, seed " + std::to_string(seed));
+      const SkeletonMesh m = mesh_skeleton(gallery::random_star(arms, seed, 30), with(3, 2));
+      const QualityReport q = measure_quality(m.result.mesh);
+      EXPECT_EQ(q.certified, m.result.mesh.element_count());
+      EXPECT_GT(q.scaled_jacobian.min, 0.4);
+      EXPECT_EQ(properties::expect_conforming(m.result.mesh).loops, 0);
+    }
+  }
+}
+
+TEST(Mesh, IsTheSameForAnyNumberOfThreads) {
+  const Skeleton skeleton = gallery::linked(6);
+  std::vector<HexMesh> meshes;
+  for (const int threads : {1, 2, 8}) {
+    Run run;
+    run.threads = threads;
+    meshes.push_back(mesh_skeleton(skeleton, with(3, 3), run).result.mesh);
+  }
+  for (const HexMesh& other : meshes) {
+    EXPECT_EQ(meshes[0].elements, other.elements);
+    ASSERT_EQ(meshes[0].nodes.size(), other.nodes.size());
+    EXPECT_TRUE(std::equal(other.nodes.begin(), other.nodes.end(), meshes[0].nodes.begin()));
+  }
+}
+
+TEST(Mesh, MovesAndScalesWithItsSkeleton) {
+  const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) *
+                                    Eigen::AngleAxisd(-1.9, Vec3(0, 1, -1).normalized()))
+                                       .toRotationMatrix();
+  for (const Skeleton& skeleton : {gallery::linked(6), gallery::linked(1.2), gallery::random_star(4, 1, 30),
+                                   gallery::ring_with_arms(), gallery::torus(4, 1)}) {
+    const HexMesh plain = mesh_skeleton(skeleton, with(2, 2)).result.mesh;
+    for (const double scale : {1.0, 1e-6, 1e3}) {
+      Skeleton moved = skeleton;
+      const Vec3 shift(3, -5, 7);
+      for (Vec3& p : moved.points) {
+        p = scale * (rotation * p + shift);
+      }
+      for (double& r : moved.radii) {
+        r *= scale;
+      }
+      const HexMesh mesh = mesh_skeleton(moved, with(2, 2)).result.mesh;
+      ASSERT_EQ(mesh.elements, plain.elements);
+      double most = 0;
+      for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+        most = std::max(most, (mesh.nodes[i] / scale - (rotation * plain.nodes[i] + shift)).norm());
+      }
+      // rounding, amplified by some hundred steps of the optimiser
+      EXPECT_LT(most, 1e-6) << "scale " << scale;
+    }
+  }
+}
+
+TEST(Tube, VolumeConvergesAtOrderTwoP) {
+  const double length = 8, radius = 1, exact = std::numbers::pi * radius * radius * length;
+  for (const int order : {1, 2, 3}) {
+    double before = 0;
+    for (const int elements : {1, 2, 4}) {
+      const double error =
+          std::abs(volume(mesh_skeleton(gallery::tube(length, radius), with(order, elements, NodeFamily::gauss_lobatto))
+                              .result.mesh) -
+                   exact) /
+          exact;
+      if (elements > 1 && before > 1e-11) {
+        EXPECT_GT(std::log2(before / error), 2 * order - 0.3) << "order " << order << ", " << elements << " elements";
+      }
+      before = error;
+    }
+    EXPECT_LT(before, order == 1 ? 2e-2 : 1e-4);
+  }
+}
+
+TEST(Tube, HasTheQualityOfItsSection) {
+  const SkeletonMesh m = mesh_skeleton(gallery::tube(8, 1), with(1, 6));
+  EXPECT_GE(measure_quality(m.result.mesh).scaled_jacobian_linear.min, 0.84);
+}
+
+TEST(Torus, VolumeConvergesBetterThanPPlusOne) {
+  // against the convolution surface itself, by a much finer mesh of a higher order
+  const auto of = [](int order, int elements) {
+    return volume(mesh_skeleton(gallery::torus(4, 1), with(order, elements, NodeFamily::gauss_lobatto)).result.mesh);
+  };
+  const double exact = of(6, 4);
+  for (const int order : {1, 2, 3}) {
+    const double coarse = std::abs(of(order, 1) - exact), fine = std::abs(of(order, 2) - exact);
+    EXPECT_GT(std::log2(coarse / fine), order + 1 - 0.1) << "order " << order;
+  }
+}
+
+TEST(Layers, HaveTheHeightAskedFor) {
+  for (const Skeleton& skeleton :
+       {gallery::tube(8, 1), gallery::linked(6),
+        gallery::star({-Vec3::UnitY(), gallery::spherical(65, 0), gallery::spherical(115, 0)}, {1, 0.75, 0.75}, 6)}) {
+    for (const int order : {1, 3}) {
+      SkeletonMeshOptions options = with(order, 6);
+      options.grading.layers = WallLayers{6, 0.02, true, 1.3};
+      const SkeletonMesh m = mesh_skeleton(skeleton, options);
+      const HexMesh& mesh = m.result.mesh;
+      EXPECT_EQ(m.result.shrunk_lines, 0);
+      EXPECT_EQ(measure_quality(mesh).certified, mesh.element_count());
+      // distance to the wall of the nodes one element below it, at every wall node
+      const int n = order + 1;
+      int good = 0, all = 0;
+      for (const auto& face : mesh.boundary) {
+        if (face.surface != 0) {
+          continue;
+        }
+        const int* ids = &mesh.elements[static_cast<std::size_t>(face.element) * n * n * n];
+        for (int b = 0; b < n; ++b) {
+          for (int a = 0; a < n; ++a) {
+            const Vec3& wall = mesh.nodes[ids[hex_face_point(face.face, a, b, {n, n, n})]];
+            // the same (a, b) on the opposite face, whose axes are swapped
+            const Vec3& below = mesh.nodes[ids[hex_face_point(face.face ^ 1, b, a, {n, n, n})]];
+            Vec3 gradient;
+            const double value = m.surface->value(below, gradient);
+            const double wanted = 0.02 * m.surface->radius(wall);
+            good += std::abs(-value / gradient.norm() / wanted - 1) < 0.1;
+            ++all;
+          }
+        }
+      }
+      EXPECT_GT(good, 0.9 * all) << "order " << order;
+    }
+  }
+}
+
+TEST(Sheets, CarryOneCount) {
+  const SkeletonMesh m = mesh_skeleton(gallery::linked(6), with(1, 2));
+  const BlockTopology topology = build_topology(m.blocks.vertex_count, m.blocks.blocks);
+  Grading grading;
+  grading.requests = {{"axial.1", 3, {}}, {"axial.1", 4, {}}};
+  try {
+    grade(m.blocks, topology, grading);
+    FAIL() << "two counts for one sheet were accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::bad_input);
+    EXPECT_NE(std::string(e.what()).find("sheet axial.1"), std::string::npos) << e.what();
+  }
+  grading.requests = {{"axial.1", 5, {}}};
+  const Sheets sheets = grade(m.blocks, topology, grading);
+  int radial = 0, five = 0;
+  for (const Sheet& s : sheets.sheets) {
+    radial += s.kind == DirectionKind::radial;
+    five += s.count == 5;
+  }
+  EXPECT_EQ(radial, 1) << "one radial sheet for a connected network";
+  EXPECT_EQ(five, 1);
+  const MeshResult graded = generate_mesh(m.blocks, topology, sheets, *m.surface, {1}, {});
+  properties::expect_conforming(graded.mesh);
+}
+
+}  // namespace
+}  // namespace vasohex
