@@ -53,6 +53,9 @@ nlohmann::ordered_json blocks_json(const SkeletonMesh& m) {
 }
 
 void run_blocks(BlocksCommand& c, Common& common) {
+  if (c.outputs.empty()) {
+    usage("an output is needed: -o BLOCKS.vtu or -o BLOCKS.json");
+  }
   for (const std::string& output : c.outputs) {
     const std::string ext = extension(output);
     if (ext != ".json" && ext != ".vtu") {
@@ -105,8 +108,7 @@ void add_blocks_command(CLI::App& app, Common& common) {
   CLI::App* command = app.add_subcommand("blocks", "The block structure of a skeleton's network");
   auto c = std::make_shared<BlocksCommand>();
   c->input.add_to(*command);
-  command->add_option("-o,--output", c->outputs, "Block file: .vtu (to look at) or .json; may be given several times")
-      ->required();
+  command->add_option("-o,--output", c->outputs, "Block file: .vtu (to look at) or .json; may be given several times");
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
       ->check(positive_number())
       ->capture_default_str();

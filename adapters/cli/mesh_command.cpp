@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -32,7 +33,7 @@ void read_first_layer(const std::string& text, WallLayers& layers) {
     end = 0;
   }
   layers.relative = text.substr(end) == "r";
-  if (end == 0 || !(layers.first_height > 0) || (end != text.size() && !layers.relative)) {
+  if (end == 0 || !(layers.first_height > 0) || !std::isfinite(layers.first_height) || (end != text.size() && !layers.relative)) {
     usage("--first-layer " + text + ": must be a height > 0, as 0.02r (local radii) or 0.1 (the mesh's unit)");
   }
 }
@@ -82,6 +83,9 @@ void run_mesh(MeshCommand& c, Common& common) {
   }
   for (const std::string& s : c.sheets) {
     c.options.grading.requests.push_back(read_sheet(s));
+  }
+  if (c.outputs.empty()) {
+    usage("an output is needed: -o MESH.msh or -o MESH.vtu");
   }
   for (const std::string& output : c.outputs) {
     check_output(output, c.options.mesh);
@@ -198,8 +202,7 @@ void add_mesh_command(CLI::App& app, Common& common) {
   CLI::App* command = app.add_subcommand("mesh", "Skeleton in, certified hexahedra of order p out");
   auto c = std::make_shared<MeshCommand>();
   c->input.add_to(*command);
-  command->add_option("-o,--output", c->outputs, "Mesh file: .msh (Gmsh 4.1) or .vtu; may be given several times")
-      ->required();
+  command->add_option("-o,--output", c->outputs, "Mesh file: .msh (Gmsh 4.1) or .vtu; may be given several times");
   command->add_option("-p,--order", c->options.mesh.order, "Polynomial order")
       ->check(whole_number(1))
       ->capture_default_str();

@@ -2,6 +2,9 @@
 
 #include <chrono>
 
+#include "vasohex/skeleton/own_frame.h"
+#include "vasohex/surface/moved_surface.h"
+
 namespace vasohex {
 
 SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& options, const Run& run) {
@@ -14,14 +17,31 @@ SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& 
     before = now;
   };
   out.network = build_network(skeleton, options.network, run);
+  check_degrees(out.network);
   clear_ends(out.network);
-  out.surface = make_convolution_surface(out.network, options.surface, run);
+  // The rest is done in the network's own frame: the same to the last bit wherever the network lies.
+  const OwnFrame frame = own_frame(out.network);
+  const Network network = in_frame(out.network, frame);
+  std::unique_ptr<ImplicitSurface> surface = make_convolution_surface(network, options.surface, run);
   lap("surface");
-  out.blocks = build_blocks(out.network, *out.surface, options.blocks, run);
+  out.blocks = build_blocks(network, *surface, options.blocks, run);
   lap("blocks");
   const BlockTopology topology = build_topology(out.blocks.vertex_count, out.blocks.blocks);
-  out.sheets = grade(out.blocks, topology, options.grading);
-  out.result = generate_mesh(out.blocks, topology, out.sheets, *out.surface, options.mesh, run);
+  Grading grading = options.grading;
+  if (grading.layers && !grading.layers->relative) {
+    grading.layers->first_height /= frame.scale;
+  }
+  out.sheets = grade(out.blocks, topology, grading);
+  out.result = generate_mesh(out.blocks, topology, out.sheets, *surface, options.mesh, run);
+  for (std::vector<Vec3>* nodes : {&out.blocks.nodes, &out.result.mesh.nodes}) {
+    for (Vec3& p : *nodes) {
+      p = frame.outward(p);
+    }
+  }
+  for (SectionFrame& end : out.blocks.ends) {
+    end = {frame.outward(end.origin), frame.rotation * end.x, frame.rotation * end.y, frame.scale * end.radius};
+  }
+  out.surface = std::make_unique<MovedSurface>(std::move(surface), frame);
   lap("mesh");
   return out;
 }

@@ -386,6 +386,18 @@ class Assembly {
 
 }  // namespace
 
+void check_degrees(const Network& network) {
+  for (const NetworkNode& node : network.nodes) {
+    if (node.degree > 6) {
+      throw Error(ErrorCode::bad_input, "point " + std::to_string(node.point) + " at (" +
+                                            std::to_string(node.position.x()) + ", " +
+                                            std::to_string(node.position.y()) + ", " +
+                                            std::to_string(node.position.z()) + "): " + std::to_string(node.degree) +
+                                            " branches meet, at most 6 can; split the junction in two");
+    }
+  }
+}
+
 void clear_ends(Network& network) {
   const auto ends = branch_ends(network);
   for (int n = 0; n < static_cast<int>(network.nodes.size()); ++n) {
@@ -443,6 +455,7 @@ void clear_ends(Network& network) {
 
 BlockStructure build_blocks(const Network& network, const ImplicitSurface& surface, const BlockOptions& options,
                             const Run& run) {
+  check_degrees(network);
   const std::vector<Cluster> clusters = find_clusters(network, surface);
 
   const auto start = std::chrono::steady_clock::now();

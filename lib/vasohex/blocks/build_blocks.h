@@ -14,12 +14,15 @@ struct BlockOptions {
   double good_jacobian = 0.5;  ///< scaled Jacobian that ends the search, if certified
 };
 
+/// Throws Error(bad_input) for the first junction of more than 6 branches, naming the point and its place.
+void check_degrees(const Network& network);
+
 /// Lengthens branches whose free end lies inside the junction they come from, so that a cap fits; one line per branch
 /// in network.repairs. To be called before the surface is made.
 void clear_ends(Network& network);
 
 /// Cross-sections along the branches, cubes at the junctions, optimised. Blocks may come out invalid: see `certified`.
-/// Throws Error(bad_input) for junctions of more than 6 branches, naming the node and its place.
+/// Throws as check_degrees.
 BlockStructure build_blocks(const Network& network, const ImplicitSurface& surface, const BlockOptions& options,
                             const Run& run);
 

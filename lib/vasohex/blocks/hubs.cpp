@@ -6,7 +6,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "vasohex/core/error.h"
 #include "vasohex/surface/project.h"
 
 namespace vasohex {
@@ -89,13 +88,6 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
     const NetworkNode& node = network.nodes[n];
     if (node.seam || node.degree < 2) {
       continue;
-    }
-    if (node.degree > 6) {
-      throw Error(ErrorCode::bad_input, "node " + std::to_string(node.point) + " at (" +
-                                            std::to_string(node.position.x()) + ", " + std::to_string(node.position.y()) +
-                                            ", " + std::to_string(node.position.z()) + "): " +
-                                            std::to_string(node.degree) +
-                                            " branches meet, at most 6 are supported; split the junction in two");
     }
     hub_of_node[n] = static_cast<int>(hubs.size());
     Hub hub;

@@ -1,11 +1,14 @@
 #include "vasohex/core/parallel.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace vasohex {
 
@@ -19,6 +22,11 @@ void parallel_for(const Run& run, std::size_t n, std::size_t grain,
       chunk(c);
     }
     return;
+  }
+  // more threads than cores only on demand; oneTBB would print a warning
+  std::optional<tbb::global_control> allowed;
+  if (run.threads > tbb::info::default_concurrency()) {
+    allowed.emplace(tbb::global_control::max_allowed_parallelism, run.threads);
   }
   tbb::task_arena arena(run.threads > 0 ? run.threads : tbb::task_arena::automatic);
   arena.execute([&] {

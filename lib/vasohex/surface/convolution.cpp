@@ -171,8 +171,8 @@ class ConvolutionSurface final : public ImplicitSurface {
         const double absent = 1 - smooth_step(t);
         const double slope = -30 * t * t * (1 - t) * (1 - t) / present;
         others.value -= absent * lesser.value;
-        others.gradient -= absent * lesser.gradient +
-                           slope * lesser.value * (all.gradient - sums[i].gradient - sums[k].gradient);
+        others.gradient -=
+            absent * lesser.gradient + slope * lesser.value * (all.gradient - sums[i].gradient - sums[k].gradient);
       }
     }
   }
@@ -355,6 +355,14 @@ Axis make_axis(const Network& network, int index, const Blending& blending) {
   return axis;
 }
 
+/// Lets a segment fade beyond the plane of a free end.
+void fade_beyond(const Axis& axis, bool at_last, ConeSegment& segment) {
+  const AxisPoint& end = at_last ? axis.target.back() : axis.target.front();
+  segment.end_normal = at_last ? end.tangent : Vec3(-end.tangent);
+  segment.end_offset = segment.end_normal.dot(end.position);
+  segment.end_fade = end_fade_radii * end.radius;
+}
+
 /// Prolongs an end at `sample` (the first or the last) by the reach of the kernel.
 void prolong(const Axis& axis, bool at_last, std::vector<ConeSegment>& segments) {
   const std::size_t n = axis.arc.size(), sample = at_last ? n - 1 : 0;
@@ -371,22 +379,21 @@ void prolong(const Axis& axis, bool at_last, std::vector<ConeSegment>& segments)
     segments.push_back(cone_segment(start + k * step * outward, axis.factor[sample] * (end.radius + slope * k * step),
                                     start + (k + 1) * step * outward,
                                     axis.factor[sample] * (end.radius + slope * (k + 1) * step), piece));
+    fade_beyond(axis, at_last, segments.back());
   }
 }
 
-/// Lets the segments of a branch fade beyond the plane of its end; of two ends, beyond that of the nearer.
-void fade_beyond_end(const Axis& axis, bool at_last, std::span<ConeSegment> segments) {
-  const AxisPoint& end = at_last ? axis.target.back() : axis.target.front();
-  const AxisPoint& other = at_last ? axis.target.front() : axis.target.back();
-  const Vec3 outward = at_last ? end.tangent : Vec3(-end.tangent);
-  for (ConeSegment& segment : segments) {
-    const double distance = (segment.start - end.position).norm();
-    if (distance < 2 * kernel_reach * end.radius &&
-        (segment.end_fade == 0 || distance < (segment.start - other.position).norm())) {
-      segment.end_normal = outward;
-      segment.end_offset = outward.dot(end.position);
-      segment.end_fade = end_fade_radii * end.radius;
-    }
+/// The same for the segment after sample k, if its kernel may reach a free end of its branch: by arc length, since a
+/// coil's next turn does not end there. Of two ends that near, the nearer.
+void fade_near_ends(const Axis& axis, const std::array<bool, 2>& free, std::size_t k, ConeSegment& segment) {
+  const std::array<double, 2> distance{axis.arc[k], axis.arc.back() - axis.arc[k + 1]};
+  const std::array<double, 2> radius{axis.target.front().radius, axis.target.back().radius};
+  std::array<bool, 2> near{};
+  for (int side = 0; side < 2; ++side) {
+    near[side] = free[side] && distance[side] < 2 * kernel_reach * radius[side];
+  }
+  if (near[0] || near[1]) {
+    fade_beyond(axis, near[1] && (!near[0] || distance[1] < distance[0]), segment);
   }
 }
 
@@ -404,20 +411,23 @@ std::vector<ConeSegment> make_segments(const Network& network, const std::vector
   std::vector<ConeSegment> segments;
   for (std::size_t b = 0; b < axes.size(); ++b) {
     const Axis& axis = axes[b];
-    const std::size_t first = segments.size();
+    std::array<bool, 2> free{};
+    for (int side = 0; side < 2; ++side) {
+      free[side] = network.nodes[network.branches[b].nodes[side]].degree == 1;
+    }
     const auto point = [&](std::size_t k) { return Vec3(axis.target[k].position + axis.shift[k]); };
     const auto radius = [&](std::size_t k) { return axis.factor[k] * axis.target[k].radius; };
     for (std::size_t k = 0; k + 1 < axis.arc.size(); ++k) {
       if (point(k) != point(k + 1)) {
         ConeSegment segment = cone_segment(point(k), radius(k), point(k + 1), radius(k + 1), axis.piece[k]);
         segment.curvature = curvature(axis, k, segment);
+        fade_near_ends(axis, free, k, segment);
         segments.push_back(segment);
       }
     }
     for (int side = 0; side < 2; ++side) {
-      if (network.nodes[network.branches[b].nodes[side]].degree == 1) {
+      if (free[side]) {
         prolong(axis, side == 1, segments);
-        fade_beyond_end(axis, side == 1, std::span(segments).subspan(first));
       }
     }
   }

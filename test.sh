@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Installs what is missing (Debian), builds into build/release, runs all tests.
+# VASOHEX_DATA: folder of published skeletons; tests on them run if it is set.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+source tools/need_packages.sh
+
+need_packages "${build_packages[@]}" ccache libgtest-dev libgmsh-dev \
+  python3 python3-numpy python3-scipy python3-gmsh python3-vtk9 python3-meshio
+
+echo "== building into build/release"
+cmake --preset release
+cmake --build --preset release
+
+echo "== testing${VASOHEX_DATA:+, also on the data in $VASOHEX_DATA}"
+ctest --test-dir build/release -j2 --output-on-failure
