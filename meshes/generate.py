@@ -170,11 +170,11 @@ def abdominal_aorta():
     inlet, mesenteric, inferior, fork = 48.0, 21.0, -70.0, -107.0
     suprarenal, renal_level, infrarenal = 11.0, 10.2, 9.5  # radii of the aorta
     lengths = {
-        "mesenteric": 46.0,
-        "renal": 40.0,
-        "inferior": 35.0,
+        "mesenteric": 53.0,
+        "renal": 45.5,
+        "inferior": 43.0,
         "common": 50.0,
-        "external": 58.0,
+        "external": 67.0,
         "internal": 27.0,
     }
     radii = {"mesenteric": 3.6, "renal": 2.75, "inferior": 2.0, "common": 6.1, "external": 4.4, "internal": 3.2}

@@ -7,6 +7,7 @@
 #include "gallery.h"
 #include "mesh_properties.h"
 #include "vasohex/core/node_family.h"
+#include "vasohex/mesh/layer_heights.h"
 #include "vasohex/quality/quality_report.h"
 #include "vasohex/vasohex.h"
 
@@ -226,28 +227,7 @@ TEST(Layers, HaveTheHeightAskedFor) {
       const HexMesh& mesh = m.result.mesh;
       EXPECT_EQ(m.result.shrunk_lines, 0);
       EXPECT_EQ(measure_quality(mesh).certified, mesh.element_count());
-      // distance to the wall of the nodes one element below it, at every wall node
-      const int n = order + 1;
-      int good = 0, all = 0;
-      for (const auto& face : mesh.boundary) {
-        if (face.surface != 0) {
-          continue;
-        }
-        const int* ids = &mesh.elements[static_cast<std::size_t>(face.element) * n * n * n];
-        for (int b = 0; b < n; ++b) {
-          for (int a = 0; a < n; ++a) {
-            const Vec3& wall = mesh.nodes[ids[hex_face_point(face.face, a, b, {n, n, n})]];
-            // the same (a, b) on the opposite face, whose axes are swapped
-            const Vec3& below = mesh.nodes[ids[hex_face_point(face.face ^ 1, b, a, {n, n, n})]];
-            Vec3 gradient;
-            const double value = m.surface->value(below, gradient);
-            const double wanted = 0.02 * m.surface->radius(wall);
-            good += std::abs(-value / gradient.norm() / wanted - 1) < 0.1;
-            ++all;
-          }
-        }
-      }
-      EXPECT_GT(good, 0.9 * all) << "order " << order;
+      EXPECT_GT(first_layer_kept(mesh, *m.surface, *options.grading.layers), 0.9) << "order " << order;
     }
   }
 }

@@ -45,8 +45,9 @@ def elements_of(dimension, entity=-1):
 
 
 def map_at_quadrature_points(type_, order, entity=-1):
-    """Weights [q], Jacobians [elements, q, 3 columns, 3], points [elements, q, 3]; exact for degree 3 p."""
-    places, weights = gmsh.model.mesh.getIntegrationPoints(type_, f"Gauss{3 * order + 1}")
+    """Weights [q], Jacobians [elements, q, 3 columns, 3], points [elements, q, 3]; exact for degree 3 p - 1,
+    that of det J and of x times the normal, per direction."""
+    places, weights = gmsh.model.mesh.getIntegrationPoints(type_, f"Gauss{max(3, 3 * order - 1)}")
     jacobians, determinants, points = gmsh.model.mesh.getJacobians(type_, places, entity)
     q = len(weights)
     return (np.array(weights), np.array(jacobians).reshape(-1, q, 3, 3), np.array(determinants).reshape(-1, q),

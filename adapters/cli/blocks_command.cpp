@@ -34,11 +34,11 @@ nlohmann::ordered_json blocks_json(const SkeletonMesh& m) {
   const int per_block = static_cast<int>(b.block_nodes.size() / b.blocks.size());
   auto& blocks = j["blocks"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < b.blocks.size(); ++i) {
-    blocks.push_back(
-        {{"vertices", b.blocks[i]},
-         {"nodes", std::vector<int>(b.block_nodes.begin() + i * per_block, b.block_nodes.begin() + (i + 1) * per_block)},
-         {"directions", {kind_name(b.kinds[i][0]), kind_name(b.kinds[i][1]), kind_name(b.kinds[i][2])}},
-         {"place", b.places[i]}});
+    blocks.push_back({{"vertices", b.blocks[i]},
+                      {"nodes", std::vector<int>(b.block_nodes.begin() + i * per_block,
+                                                 b.block_nodes.begin() + (i + 1) * per_block)},
+                      {"directions", {kind_name(b.kinds[i][0]), kind_name(b.kinds[i][1]), kind_name(b.kinds[i][2])}},
+                      {"place", b.places[i]}});
   }
   auto& boundary = j["boundary"] = nlohmann::ordered_json::array();
   for (const BlockStructure::BoundaryFace& f : b.boundary) {
@@ -108,7 +108,8 @@ void add_blocks_command(CLI::App& app, Common& common) {
   CLI::App* command = app.add_subcommand("blocks", "The block structure of a skeleton's network");
   auto c = std::make_shared<BlocksCommand>();
   c->input.add_to(*command);
-  command->add_option("-o,--output", c->outputs, "Block file: .vtu (to look at) or .json; may be given several times");
+  command->add_option("-o,--output", c->outputs,
+                      "Block file: .vtu (to look at) or .json; may be given several times");
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
       ->check(positive_number())
       ->capture_default_str();

@@ -43,8 +43,9 @@ void run_check(const CheckCommand& c, Common& common) {
   }
 #else
   (void)common;
-  throw Error(ErrorCode::bad_input, c.path + ": this program was built without Gmsh, which reads MSH; configure with "
-                                             "-DVASOHEX_GMSH=ON");
+  throw Error(ErrorCode::bad_input, c.path +
+                                        ": this program was built without Gmsh, which reads MSH; configure with "
+                                        "-DVASOHEX_GMSH=ON");
 #endif
 }
 

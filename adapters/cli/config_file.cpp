@@ -14,9 +14,12 @@ void read_config(CLI::App& command, const std::string& path) {
   }
   try {
     for (const CLI::ConfigItem& item : CLI::ConfigTOML().from_config(file)) {
+      if (!item.parents.empty()) {
+        usage(place + "[" + item.parents.front() + "]: sections have no meaning here; give the options alone");
+      }
       CLI::Option* option = command.get_option_no_throw("--" + item.name);
-      if (!item.parents.empty() || option == nullptr || item.name == "help" || item.name == "config") {
-        usage(place + "'" + item.fullname() + "' is not an option of `vasohex " + command.get_name() +
+      if (option == nullptr || item.name == "help" || item.name == "config") {
+        usage(place + "'" + item.name + "' is not an option of `vasohex " + command.get_name() +
               "`; its --help lists them");
       }
       if (!option->empty()) {

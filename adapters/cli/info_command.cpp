@@ -78,12 +78,12 @@ void run_info(const InfoCommand& c, Common& common) {
   for (const auto& [degree, number] : degrees) {
     std::printf("  %d junction(s) of %d branches\n", number, degree);
   }
-  std::printf("  length %.6g, radius %.6g to %.6g, box (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g)\n", length, least, most,
-              box.min.x(), box.min.y(), box.min.z(), box.max.x(), box.max.y(), box.max.z());
+  std::printf("  length %.6g, radius %.6g to %.6g, box (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g)\n", length, least,
+              most, box.min.x(), box.min.y(), box.min.z(), box.max.x(), box.max.y(), box.max.z());
   for (const NetworkNode& n : network.nodes) {
     if (n.degree == 1) {
-      std::printf("  end %-10s point %d at (%.6g, %.6g, %.6g), radius %.6g\n", n.name.c_str(), n.point, n.position.x(),
-                  n.position.y(), n.position.z(), n.radius);
+      std::printf("  end %-10s point %d at (%.6g, %.6g, %.6g), radius %.6g\n", n.name.c_str(), n.point,
+                  n.position.x(), n.position.y(), n.position.z(), n.radius);
     }
   }
   for (const std::string& repair : network.repairs) {

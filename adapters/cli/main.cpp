@@ -80,10 +80,11 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
 
 int main(int argc, char** argv) {
   using namespace vasohex::cli;
-  CLI::App app{"vasohex: structured hexahedral meshes of vascular networks, of any order, proven valid.\n"
-               "Exit status: 0 done and valid, 1 internal error, 2 bad input or usage, 3 written but invalid elements "
-               "remain.",
-               "vasohex"};
+  CLI::App app{
+      "vasohex: structured hexahedral meshes of vascular networks, of any order, proven valid.\n"
+      "Exit status: 0 done and valid, 1 internal error, 2 bad input or usage, 3 written but invalid elements "
+      "remain.",
+      "vasohex"};
   app.set_version_flag("--version", VASOHEX_VERSION);
   app.require_subcommand(1);
   Common common;

@@ -33,7 +33,8 @@ void read_first_layer(const std::string& text, WallLayers& layers) {
     end = 0;
   }
   layers.relative = text.substr(end) == "r";
-  if (end == 0 || !(layers.first_height > 0) || !std::isfinite(layers.first_height) || (end != text.size() && !layers.relative)) {
+  if (end == 0 || !(layers.first_height > 0) || !std::isfinite(layers.first_height) ||
+      (end != text.size() && !layers.relative)) {
     usage("--first-layer " + text + ": must be a height > 0, as 0.02r (local radii) or 0.1 (the mesh's unit)");
   }
 }
@@ -139,7 +140,7 @@ void run_mesh(MeshCommand& c, Common& common) {
                            {"candidates", k.candidates}});
     }
     j["block_certificate"] = {{"certified", m.blocks.certified}, {"scaled_jacobian_min", m.blocks.min_jacobian}};
-    add_quality(j, quality);
+    add_quality(j, quality, &m.network);
     auto& surfaces = j["surfaces"] = nlohmann::ordered_json::array();
     for (std::size_t s = 0; s < mesh.surfaces.size(); ++s) {
       nlohmann::ordered_json row{{"name", mesh.surfaces[s]}, {"id", s + 1}};
@@ -155,13 +156,19 @@ void run_mesh(MeshCommand& c, Common& common) {
     j["volumes"] = {{{"name", mesh.volume}, {"id", mesh.surfaces.size() + 1}}};
     j["wall_residual_max"] = m.result.wall_residual_max;
     j["unconverged_projections"] = m.result.unconverged;
-    j["shrunk_layer_lines"] = m.result.shrunk_lines;
+    if (c.options.grading.layers) {
+      j["layers"] = {{"first_kept", first_layer_kept(mesh, *m.surface, *c.options.grading.layers)},
+                     {"shrunk_lines", m.result.shrunk_lines}};
+    }
     j["repairs"] = m.network.repairs;
-    j["seconds"] = {{"read", read_seconds},       {"surface", m.seconds["surface"]},
+    j["seconds"] = {{"read", read_seconds},
+                    {"surface", m.seconds["surface"]},
                     {"blocks", m.seconds["blocks"] - m.blocks.optimise_seconds},
                     {"optimise", m.blocks.optimise_seconds},
-                    {"mesh", m.seconds["mesh"]},  {"certify", certify_seconds},
-                    {"write", write_seconds},     {"total", total.seconds()}};
+                    {"mesh", m.seconds["mesh"]},
+                    {"certify", certify_seconds},
+                    {"write", write_seconds},
+                    {"total", total.seconds()}};
     write_json(j, c.json);
   }
   if (!common.quiet) {
@@ -175,9 +182,10 @@ void run_mesh(MeshCommand& c, Common& common) {
                 mesh.order, mesh.nodes.size());
     std::printf("%s", quality_text(quality).c_str());
     if (m.blocks.certified == static_cast<int>(m.blocks.blocks.size())) {
-      std::printf("  all blocks are certified: before projection onto the surface, so is every mesh of order >= %d made "
-                  "from them\n",
-                  m.blocks.degree);
+      std::printf(
+          "  all blocks are certified: before projection onto the surface, so is every mesh of order >= %d made "
+          "from them\n",
+          m.blocks.degree);
     }
     if (m.result.unconverged > 0) {
       std::printf("  warning: %d wall nodes could not be projected onto the surface\n", m.result.unconverged);
@@ -219,8 +227,9 @@ void add_mesh_command(CLI::App& app, Common& common) {
   command->add_option("--layers", c->layers, "Layers of elements along the wall; 0: none")
       ->check(whole_number(0))
       ->capture_default_str();
-  command->add_option("--first-layer", c->first_layer,
-                      "Height of the layer at the wall: 0.02r (local radii) or 0.1 (unit)")
+  command
+      ->add_option("--first-layer", c->first_layer,
+                   "Height of the layer at the wall: 0.02r (local radii) or 0.1 (unit)")
       ->default_str("0.05r");
   command->add_option("--growth", c->growth, "Height of each layer over that before it")
       ->check(positive_number())

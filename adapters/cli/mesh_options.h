@@ -20,7 +20,8 @@ struct SkeletonInput {
     command.add_option("INPUT", path, "Skeleton: .swc or .json (vascular-graph-1)")->required();
     command.add_option("--units", units, "Unit of the input: um, mm, cm or m. Overrides what the file says")
         ->check(CLI::IsMember({"um", "mm", "cm", "m"}));
-    command.add_option("--inlet", inlet, "Point of the skeleton (index from 0, in file order) whose end is the inlet")
+    command
+        .add_option("--inlet", inlet, "Point of the skeleton (index from 0, in file order) whose end is the inlet")
         ->check(whole_number(0));
   }
   Skeleton read(NetworkOptions& options) const {

@@ -20,26 +20,24 @@ std::string text(const char* format, ...) {
 
 }  // namespace
 
-void add_quality(nlohmann::ordered_json& json, const QualityReport& r) {
+void add_quality(nlohmann::ordered_json& json, const QualityReport& r, const Network* network) {
   const auto figures = [](const QualityFigures& f) {
     return nlohmann::ordered_json{{"min", f.min}, {"p1", f.p1}, {"mean", f.mean}};
   };
   json["quality"] = {{"scaled_jacobian", figures(r.scaled_jacobian)},
                      {"scaled_jacobian_linear", figures(r.scaled_jacobian_linear)},
                      {"skewness", {{"max", r.skewness.max}, {"p99", r.skewness.p99}, {"mean", r.skewness.mean}}}};
-  json["validity"] = {{"certified", r.certified},
-                      {"invalid", r.invalid},
-                      {"undecided", r.undecided},
-                      {"bound_min", r.bound_min}};
+  json["validity"] = {
+      {"certified", r.certified}, {"invalid", r.invalid}, {"undecided", r.undecided}, {"bound_min", r.bound_min}};
   auto& worst = json["worst"] = nlohmann::ordered_json::array();
   for (const QualityReport::Element& e : r.worst) {
     nlohmann::ordered_json row{{"element", e.element + 1},
                                {"scaled_jacobian", e.scaled_jacobian},
                                {"at", {e.centre.x(), e.centre.y(), e.centre.z()}}};
-    if (e.branch && *e.branch >= 0) {
+    if (network != nullptr && e.branch && *e.branch >= 0) {
       row["branch"] = *e.branch;
-    } else if (e.branch) {
-      row["junction"] = -1 - *e.branch;
+    } else if (network != nullptr && e.branch) {
+      row["junction"] = network->nodes.at(-1 - *e.branch).point;
     }
     worst.push_back(row);
   }
@@ -52,7 +50,8 @@ std::string quality_text(const QualityReport& r) {
   };
   line("scaled Jacobian", r.scaled_jacobian);
   line("  straight-sided", r.scaled_jacobian_linear);
-  out += text("  %-26s max %.3f   99%% %.3f  mean %.3f\n", "skewness", r.skewness.max, r.skewness.p99, r.skewness.mean);
+  out +=
+      text("  %-26s max %.3f   99%% %.3f  mean %.3f\n", "skewness", r.skewness.max, r.skewness.p99, r.skewness.mean);
   out += text("  %-26s certified %d   invalid %d   undecided %d\n", "validity", r.certified, r.invalid, r.undecided);
   if (r.invalid + r.undecided > 0) {
     out += "  worst elements (id, scaled Jacobian, place):\n";

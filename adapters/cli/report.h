@@ -10,8 +10,9 @@
 
 namespace vasohex::cli {
 
-/// The figures of a quality report under their names in docs/cli.md: `quality`, `validity`, `worst`.
-void add_quality(nlohmann::ordered_json& json, const QualityReport& report);
+/// The figures of a quality report under their names in docs/cli.md: `quality`, `validity`, `worst`. `network` is the
+/// one that the mesh was made of, if that is known: junctions are told by their points.
+void add_quality(nlohmann::ordered_json& json, const QualityReport& report, const Network* network = nullptr);
 
 /// The same as a few lines for the terminal.
 std::string quality_text(const QualityReport& report);

@@ -1,14 +1,12 @@
 #include "vasohex/mesh/generate_mesh.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <string>
 
 #include "vasohex/core/parallel.h"
 #include "vasohex/core/reference_hex.h"
-#include "vasohex/surface/project.h"
 
 namespace vasohex {
 namespace {
@@ -119,37 +117,34 @@ class LineLength {
 };
 
 struct WallNode {
-  Projection projection;
-  double residual = 0;  ///< distance left, over the local radius
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();  ///< unit, outward; of an end's rim: within the plane of the end
+  double residual = 0;          ///< bound of the distance left, over the local radius
+  bool converged = false;
 };
 
-/// Newton onto the surface; within the plane of normal `plane` unless it is null.
-WallNode to_wall(const ImplicitSurface& surface, const Vec3& start, const Vec3* plane) {
+/// Newton onto the surface, within the plane of normal `plane` unless it is null; `radius` is about the local one. The
+/// blocks' walls lie close by, so an evaluation saved counts: the last step, of less than 1e-8 radii, is taken without
+/// another look, and its length is the bound.
+WallNode to_wall(const ImplicitSurface& surface, const Vec3& start, const Vec3* plane, double radius) {
   WallNode w;
-  const double radius = surface.radius(start);
-  if (!plane) {
-    w.projection = project(surface, start);
-  } else {
-    Vec3 x = start, g;
-    for (int iteration = 0; iteration < 30 && !w.projection.converged; ++iteration) {
-      const double f = surface.value(x, g);
-      g -= plane->dot(g) * *plane;
-      Vec3 step = -f / std::max(g.squaredNorm(), 1e-300) * g;
-      const double length = step.norm();
-      if (length > 0.5 * radius) {
-        step *= 0.5 * radius / length;
-      }
-      x += step;
-      w.projection.converged = length < 1e-12 * radius;
+  w.point = start;
+  Vec3 gradient;
+  for (int iteration = 0; iteration < 30 && !w.converged; ++iteration) {
+    const double value = surface.value(w.point, gradient);
+    if (plane) {
+      gradient -= plane->dot(gradient) * *plane;
     }
-    w.projection.point = x;
-    w.projection.normal = g.normalized();
+    Vec3 step = -value / std::max(gradient.squaredNorm(), 1e-300) * gradient;
+    const double length = step.norm();
+    if (length > 0.5 * radius) {
+      step *= 0.5 * radius / length;
+    }
+    w.point += step;
+    w.residual = length / radius;
+    w.converged = w.residual < 1e-8;
   }
-  Vec3 g;
-  const double f = surface.value(w.projection.point, g);
-  w.residual = std::abs(f) / std::max(g.norm(), 1e-300) / radius;
-  // Newton that stalls at rounding has converged
-  w.projection.converged = w.projection.converged || w.residual < 1e-9;
+  w.normal = gradient.normalized();
   return w;
 }
 
@@ -274,6 +269,12 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
           lines[static_cast<std::size_t>(v) * size[d1] * n + ui] = x;
         }
       }
+      const bool wall_at_end = wall % 2 == 1;
+      double radius = 0;
+      if (wall >= 0) {
+        const std::size_t middle = static_cast<std::size_t>(size[d2] / 2) * size[d1] + size[d1] / 2;
+        radius = surface.radius(lines[middle * n + (wall_at_end ? n - 1 : 0)]);
+      }
       constexpr std::array<int, 3> place{1, 3, 9};
       const auto side = [](int i, int last) { return i == 0 ? 0 : i == last ? 2 : 1; };
       for (int v = 0; v < size[d2]; ++v) {
@@ -285,7 +286,6 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
           const Vec3* line = &lines[(static_cast<std::size_t>(v) * size[d1] + u) * n];
           Vec3 shift = Vec3::Zero();
           Vec3 normal = Vec3::Zero();
-          const bool wall_at_end = wall % 2 == 1;
           if (wall >= 0) {
             int end_here = 0;
             for (const auto& [axis, at] : {std::pair(d1, u), std::pair(d2, v)}) {
@@ -295,14 +295,14 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             }
             const Vec3 start = line[wall_at_end ? n - 1 : 0];
             const Vec3 plane = end_here > 0 ? blocks.ends[end_here - 1].normal() : Vec3::Zero();
-            const WallNode w = to_wall(surface, start, end_here > 0 ? &plane : nullptr);
+            const WallNode w = to_wall(surface, start, end_here > 0 ? &plane : nullptr, radius);
             counts[b].residual = std::max(counts[b].residual, w.residual);
-            if (w.projection.converged) {
-              shift = w.projection.point - start;
+            if (w.converged) {
+              shift = w.point - start;
             } else {
               ++counts[b].unconverged;
             }
-            normal = w.projection.normal;
+            normal = w.normal;
           }
           const std::vector<double>* t = &table[d]->t;
           std::vector<double> own_t, own_values;

@@ -16,7 +16,8 @@ struct MeshOptions {
 
 struct MeshResult {
   HexMesh mesh;
-  double wall_residual_max = 0;  ///< largest distance of a wall node to the surface, over the local radius
+  /// Largest distance of a wall node to the surface, over the local radius: a bound, the length of the last step.
+  double wall_residual_max = 0;
   int unconverged = 0;           ///< wall nodes whose projection did not converge (they stay where the block has them)
   int shrunk_lines = 0;          ///< lines towards the wall too short for the layers asked for
 };

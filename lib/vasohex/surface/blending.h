@@ -7,8 +7,9 @@
 /// their nodes. With F_c the fields of the pieces, the field of the network is
 ///     max over joints of ((1 - w) max_c F_c + w sum_c F_c),   c: the pieces of the joint,
 /// and F_c of pieces in no joint. The sum counts two pieces that meet at no node (side branches of one trunk, from
-/// junctions close to each other) only where others of the joint are: beyond the trunk they are separate vessels. Blending within one joint at a time: a piece that belongs to two must not make the
-/// vessels of one merge with those of the other.
+/// junctions close to each other) only where others of the joint are: beyond the trunk they are separate vessels.
+/// Blending within one joint at a time: a piece that belongs to two must not make the vessels of one merge with those
+/// of the other.
 
 #include <array>
 #include <vector>
