@@ -8,6 +8,7 @@
 #include "mesh_options.h"
 #include "option_checks.h"
 #include "report.h"
+#include "vasohex/mesh/layer_heights.h"
 #include "vtk/write_vtu.h"
 
 namespace vasohex::cli {
