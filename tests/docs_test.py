@@ -95,7 +95,7 @@ class Docs(unittest.TestCase):
         made = {command: set() for command in written}
         for name in ("helix.swc", "trifurcation.json"):
             skeleton = str(SOURCE / "meshes" / name)
-            for command, arguments in (("mesh", [skeleton, "-o", "a.msh", "-n", "1", "--json"]),
+            for command, arguments in (("mesh", [skeleton, "-o", "a.msh", "--layers", "1", "--json"]),
                                        ("check", ["a.msh", "--json"]), ("info", [skeleton, "--json"]),
                                        ("blocks", [skeleton, "-o"])):
                 vasohex(self.folder, command, *arguments, "a.json")
