@@ -3,7 +3,7 @@
 # VASOHEX_DATA: folder of published skeletons; tests on them run if it is set.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
-source tools/need_packages.sh
+source .ci/need_packages.sh
 
 need_packages "${build_packages[@]}" ccache libgtest-dev libgmsh-dev \
   python3 python3-numpy python3-scipy python3-gmsh python3-vtk9 python3-meshio

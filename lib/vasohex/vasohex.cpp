@@ -17,7 +17,6 @@ SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& 
     before = now;
   };
   out.network = build_network(skeleton, options.network, run);
-  check_degrees(out.network);
   clear_ends(out.network);
   // The rest is done in the network's own frame: the same to the last bit wherever the network lies.
   const OwnFrame frame = own_frame(out.network);

@@ -22,7 +22,7 @@ struct BlockStructure {
   struct Junction {
     int node = 0;           ///< of the network
     int degree = 0;         ///< of the junction
-    std::string prototype;  ///< `cube`, or `cubes linked` in a cluster
+    std::string prototype;  ///< `cube`, `tree of cubes`, or `cubes linked` in a cluster of junctions
     double min_jacobian = 0;  ///< least scaled Jacobian of the cluster's blocks
     bool certified = false;
     int candidates = 0;  ///< assignments tried

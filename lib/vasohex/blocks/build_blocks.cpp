@@ -11,6 +11,7 @@
 #include "vasohex/blocks/hubs.h"
 #include "vasohex/blocks/junction.h"
 #include "vasohex/blocks/optimise.h"
+#include "vasohex/blocks/split_hub.h"
 #include "vasohex/blocks/topology.h"
 #include "vasohex/core/node_family.h"
 #include "vasohex/core/parallel.h"
@@ -28,51 +29,114 @@ struct SectionVertices {
 };
 
 struct ClusterResult {
+  Cluster cluster;                          ///< as solved: hubs may have been divided
+  std::vector<CubeAssignment> assignments;  ///< [hubs]
   ClusterBlocks blocks;
   BlockSolution solution;
-  int candidates = 0;
 };
 
-ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options) {
-  std::vector<std::vector<CubeAssignment>> choices;
-  for (const Hub& hub : cluster) {
-    std::vector<Vec3> directions;
-    for (const Arm& arm : hub.arms) {
-      directions.push_back(arm.direction);
-    }
-    choices.push_back(cube_assignments(directions, options.candidates));
+std::vector<CubeAssignment> assignments_of(const Hub& hub, int count) {
+  std::vector<Vec3> directions;
+  for (const Arm& arm : hub.arms) {
+    directions.push_back(arm.direction);
   }
-  // the best of each hub; then, hub by hub, its other choices
-  std::vector<std::vector<int>> picks{std::vector<int>(cluster.size(), 0)};
-  for (int rank = 1; rank < options.candidates; ++rank) {
-    for (std::size_t h = 0; h < cluster.size(); ++h) {
-      if (rank < static_cast<int>(choices[h].size())) {
-        picks.emplace_back(cluster.size(), 0);
-        picks.back()[h] = rank;
+  return cube_assignments(directions, count);
+}
+
+/// The hub with the least scaled Jacobian among those not tried yet; nothing if all were.
+std::optional<int> weakest_hub(const ClusterResult& r, const std::vector<char>& tried) {
+  std::vector<double> least(r.cluster.size(), 2.0);
+  for (std::size_t b = 0; b < r.blocks.problem.blocks.size(); ++b) {
+    const auto nodes = r.solution.nodes.begin() + static_cast<std::ptrdiff_t>(b) * kBlockNodes;
+    double& of_hub = least[r.blocks.block_hub[b]];
+    of_hub = std::min(of_hub, least_jacobian(std::vector<Vec3>(nodes, nodes + kBlockNodes)));
+  }
+  std::optional<int> weakest;
+  for (int h = 0; h < static_cast<int>(least.size()); ++h) {
+    if (!tried[h] && (!weakest || least[h] < least[*weakest])) {
+      weakest = h;
+    }
+  }
+  return weakest;
+}
+
+/// Clusters in which no hub has more arms than a cube can take.
+std::vector<Cluster> with_small_hubs(const Cluster& cluster) {
+  std::vector<Cluster> all{cluster};
+  for (int h = 0; h < static_cast<int>(cluster.size()); ++h) {
+    if (cluster[h].arms.size() > kCubeArms) {
+      std::vector<Cluster> divided;
+      for (const Cluster& c : all) {
+        for (Cluster& d : split_hub(c, h)) {
+          divided.push_back(std::move(d));
+        }
       }
+      all = std::move(divided);
     }
   }
+  if (all.empty()) {
+    throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
+  }
+  constexpr std::size_t kMost = 4;
+  all.resize(std::min(all.size(), kMost));
+  return all;
+}
+
+/// One cube per junction; while that is weak, other assignments of the weakest junction's arms, or a tree of cubes there.
+std::pair<ClusterResult, int> solve_cluster(const ImplicitSurface& surface, const Cluster& cluster,
+                                            const BlockOptions& options) {
   std::optional<ClusterResult> best;
   int tried = 0;
-  for (const std::vector<int>& pick : picks) {
-    std::vector<CubeAssignment> assignments;
-    for (std::size_t h = 0; h < cluster.size(); ++h) {
-      assignments.push_back(choices[h][pick[h]]);
-    }
-    ClusterResult r;
-    r.blocks = cluster_blocks(surface, cluster, assignments);
+  const auto is_good = [&] {
+    return best && best->solution.certified && best->solution.min_jacobian >= options.good_jacobian;
+  };
+  const auto attempt = [&](const Cluster& c, const std::vector<CubeAssignment>& assignments) {
+    ClusterResult r{c, assignments, cluster_blocks(surface, c, assignments), {}};
     r.solution = optimise_blocks(r.blocks.problem);
     ++tried;
-    const auto rank = [](const ClusterResult& c) { return std::pair(c.solution.certified, c.solution.min_jacobian); };
-    if (!best || rank(r) > rank(*best)) {
+    if (!best || r.solution.is_better_than(best->solution)) {
       best = std::move(r);
     }
-    if (best->solution.certified && best->solution.min_jacobian >= options.good_jacobian) {
-      break;
+  };
+  for (const Cluster& c : with_small_hubs(cluster)) {
+    std::vector<CubeAssignment> assignments;
+    for (const Hub& hub : c) {
+      assignments.push_back(assignments_of(hub, 1).front());
+    }
+    if (!is_good()) {
+      attempt(c, assignments);
     }
   }
-  best->candidates = tried;
-  return std::move(*best);
+  constexpr int kMostRounds = 6;
+  std::vector<char> done(best->cluster.size(), 0);
+  for (int round = 0; round < kMostRounds && !is_good(); ++round) {
+    const std::optional<int> hub = weakest_hub(*best, done);
+    if (!hub) {
+      break;
+    }
+    const ClusterResult before = *best;
+    const std::vector<CubeAssignment> others = assignments_of(before.cluster[*hub], options.candidates);
+    for (std::size_t rank = 1; rank < others.size() && !is_good(); ++rank) {
+      std::vector<CubeAssignment> assignments = before.assignments;
+      assignments[*hub] = others[rank];
+      attempt(before.cluster, assignments);
+    }
+    if (before.cluster[*hub].arms.size() >= 4) {
+      for (const Cluster& c : split_hub(before.cluster, *hub)) {
+        std::vector<CubeAssignment> assignments = before.assignments;
+        assignments[*hub] = assignments_of(c[*hub], 1).front();
+        for (std::size_t h = before.cluster.size(); h < c.size(); ++h) {
+          assignments.push_back(assignments_of(c[h], 1).front());
+        }
+        if (!is_good()) {
+          attempt(c, assignments);
+        }
+      }
+    }
+    done.resize(best->cluster.size(), 1);
+    done[*hub] = 1;
+  }
+  return {std::move(*best), tried};
 }
 
 /// Rotation-minimising frames at the ascending arc lengths `s`, by double reflection [Wang, Jüttler, Zheng, Liu 2008].
@@ -291,7 +355,7 @@ void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, 
     }
     const BlockSolution before = judge_blocks(layer_nodes(from, to - from + 1));
     const BlockSolution after = optimise_blocks(problem);
-    if (std::pair(after.certified, after.min_jacobian) > std::pair(before.certified, before.min_jacobian)) {
+    if (after.is_better_than(before)) {
       std::copy(after.nodes.begin(), after.nodes.end(),
                 piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * from * kBlockNodes);
     }
@@ -386,18 +450,6 @@ class Assembly {
 
 }  // namespace
 
-void check_degrees(const Network& network) {
-  for (const NetworkNode& node : network.nodes) {
-    if (node.degree > 6) {
-      throw Error(ErrorCode::bad_input, "point " + std::to_string(node.point) + " at (" +
-                                            std::to_string(node.position.x()) + ", " +
-                                            std::to_string(node.position.y()) + ", " +
-                                            std::to_string(node.position.z()) + "): " + std::to_string(node.degree) +
-                                            " branches meet, at most 6 can; split the junction in two");
-    }
-  }
-}
-
 void clear_ends(Network& network) {
   const auto ends = branch_ends(network);
   for (int n = 0; n < static_cast<int>(network.nodes.size()); ++n) {
@@ -455,11 +507,10 @@ void clear_ends(Network& network) {
 
 BlockStructure build_blocks(const Network& network, const ImplicitSurface& surface, const BlockOptions& options,
                             const Run& run) {
-  check_degrees(network);
   const std::vector<Cluster> clusters = find_clusters(network, surface);
 
   const auto start = std::chrono::steady_clock::now();
-  std::vector<ClusterResult> solved(clusters.size());
+  std::vector<std::pair<ClusterResult, int>> solved(clusters.size());
   std::mutex progress;
   std::size_t done = 0;
   parallel_for(run, clusters.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -478,7 +529,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
   std::vector<std::array<std::optional<SectionVertices>, 2>> section(network.branches.size());
   std::vector<char> linked(network.branches.size(), 0);
   for (std::size_t c = 0; c < clusters.size(); ++c) {
-    const ClusterResult& r = solved[c];
+    const auto& [r, tried] = solved[c];
     const int base = assembly.new_vertices(static_cast<int>(r.blocks.problem.vertices.size()));
     const int first_block = static_cast<int>(out.blocks.size());
     for (std::size_t b = 0; b < r.blocks.problem.blocks.size(); ++b) {
@@ -486,11 +537,11 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
       for (int& v : vertices) {
         v += base;
       }
-      assembly.add_block(vertices, r.blocks.kinds[b], -1 - clusters[c][r.blocks.block_hub[b]].node,
+      assembly.add_block(vertices, r.blocks.kinds[b], -1 - r.cluster[r.blocks.block_hub[b]].node,
                          &r.solution.nodes[b * kBlockNodes]);
     }
     for (const ClusterBlocks::Cap& k : r.blocks.caps) {
-      const Arm& arm = clusters[c][k.hub].arms[k.arm];
+      const Arm& arm = r.cluster[k.hub].arms[k.arm];
       const Branch& branch = network.branches[arm.branch];
       cap[arm.branch][arm.end] = arm.cap;
       SectionVertices s{k.frame, k.inner, k.outer};
@@ -514,8 +565,11 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
     }
     for (const Hub& hub : clusters[c]) {
       out.junctions.push_back({hub.node, static_cast<int>(hub.arms.size()),
-                               clusters[c].size() > 1 ? "cubes linked" : "cube", r.solution.min_jacobian,
-                               r.solution.certified, r.candidates});
+                               clusters[c].size() > 1               ? "cubes linked"
+                               : r.cluster.size() > 1 ? "tree of cubes"
+                                                      : "cube",
+                               r.solution.min_jacobian,
+                               r.solution.certified, tried});
       for (const Arm& arm : hub.arms) {
         linked[arm.branch] |= arm.link >= 0;
       }

@@ -14,15 +14,12 @@ struct BlockOptions {
   double good_jacobian = 0.5;  ///< scaled Jacobian that ends the search, if certified
 };
 
-/// Throws Error(bad_input) for the first junction of more than 6 branches, naming the point and its place.
-void check_degrees(const Network& network);
-
 /// Lengthens branches whose free end lies inside the junction they come from, so that a cap fits; one line per branch
 /// in network.repairs. To be called before the surface is made.
 void clear_ends(Network& network);
 
-/// Cross-sections along the branches, cubes at the junctions, optimised. Blocks may come out invalid: see `certified`.
-/// Throws as check_degrees.
+/// Cross-sections along the branches, cubes or trees of cubes at the junctions, optimised. Blocks may come out invalid:
+/// see `certified`.
 BlockStructure build_blocks(const Network& network, const ImplicitSurface& surface, const BlockOptions& options,
                             const Run& run);
 

@@ -126,6 +126,20 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
     }
     return h;
   };
+  // Branches too short for two caps become links, the shortest of those between the same two hubs: a second one would
+  // share faces with it.
+  std::map<std::array<int, 2>, int> link_between;
+  for (int b = 0; b < static_cast<int>(network.branches.size()); ++b) {
+    const Branch& branch = network.branches[b];
+    const int first = hub_of_node[branch.nodes[0]], last = hub_of_node[branch.nodes[1]];
+    const double radius = from_end(branch, 0, 0.5 * branch.length()).radius;
+    if (first >= 0 && last >= 0 && first != last && cap[b][0] + cap[b][1] + 0.75 * radius > branch.length()) {
+      const auto [it, is_new] = link_between.try_emplace({std::min(first, last), std::max(first, last)}, b);
+      if (!is_new && branch.length() < network.branches[it->second].length()) {
+        it->second = b;
+      }
+    }
+  }
   for (Hub& hub : hubs) {
     for (Arm& arm : hub.arms) {
       const Branch& branch = network.branches[arm.branch];
@@ -134,12 +148,13 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       const double middle_radius = from_end(branch, arm.end, 0.5 * length).radius;
       const int self = hub_of_node[hub.node];
       const double both = cap[arm.branch][0] + cap[arm.branch][1];
-      if (other >= 0 && other != self && both + 0.75 * middle_radius > length) {
+      const auto link = link_between.find({std::min(self, other), std::max(self, other)});
+      if (link != link_between.end() && link->second == arm.branch) {
         arm.link = other;
         arm.cap = length;
         leader[std::max(find(self), find(other))] = std::min(find(self), find(other));
       } else if (other >= 0 && both + 0.3 * middle_radius > length) {
-        arm.cap *= (length - 0.3 * middle_radius) / both;  // a tight loop back to the same junction
+        arm.cap *= (length - 0.3 * middle_radius) / both;  // a tight loop
       }
       const AxisPoint p = from_end(branch, arm.end, arm.cap);
       arm.direction = (p.position - hub.centre).normalized();

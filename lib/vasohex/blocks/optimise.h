@@ -43,6 +43,10 @@ struct BlockSolution {
   double min_jacobian = -1;  ///< least scaled Jacobian on an equispaced lattice of 9^3 points a block
   bool certified = false;    ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
   int iterations = 0;
+
+  bool is_better_than(const BlockSolution& other) const {
+    return certified != other.certified ? certified : min_jacobian > other.min_jacobian;
+  }
 };
 
 /// The recipe of docs/design.md: untangle at degree 2, then degrees 2, 3, 4 with rising weight on the worst scaled
