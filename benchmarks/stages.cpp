@@ -1,5 +1,5 @@
-// Times every stage on the abdominal aorta at order 3 (373 blocks x 6^3 hexahedra), one thread, and in the same run what
-// Gmsh takes to build transfinite hexahedra of order 3 in 375 blocks x 6^3. CPU time of the process.
+// Times every stage on the abdominal aorta at order 3 (373 blocks x 6^3 hexahedra), one thread, and in the same run
+// what Gmsh takes to build transfinite hexahedra of order 3 in 375 blocks x 6^3. CPU time of the process.
 
 #include <benchmark/benchmark.h>
 #include <gmsh.h>
@@ -130,9 +130,11 @@ void gmsh_transfinite_order_3(benchmark::State& state) {
       for (int j = 0; j < ny; ++j) {
         for (int i = 0; i < nx; ++i) {
           const int a = at(i, j, k), b = at(i + 1, j, k), c = at(i + 1, j + 1, k), d = at(i, j + 1, k);
-          const int e = at(i, j, k + 1), f = at(i + 1, j, k + 1), g = at(i + 1, j + 1, k + 1), h = at(i, j + 1, k + 1);
-          const int volume = geo::addVolume({geo::addSurfaceLoop(
-              {face(a, b, c, d), face(e, f, g, h), face(a, b, f, e), face(d, c, g, h), face(a, d, h, e), face(b, c, g, f)})});
+          const int e = at(i, j, k + 1), f = at(i + 1, j, k + 1), g = at(i + 1, j + 1, k + 1),
+                    h = at(i, j + 1, k + 1);
+          const int volume =
+              geo::addVolume({geo::addSurfaceLoop({face(a, b, c, d), face(e, f, g, h), face(a, b, f, e),
+                                                   face(d, c, g, h), face(a, d, h, e), face(b, c, g, f)})});
           geo::mesh::setTransfiniteVolume(volume);
         }
       }

@@ -61,7 +61,8 @@ TEST(Lattice, SharedNodesLieAtTheSamePlace) {
         Vec3 p = Vec3::Zero();
         for (int c = 0; c < 8; ++c) {
           double w = 1;
-          for (const auto& [d, u] : {std::pair(0, i % 5 / 4.0), std::pair(1, i / 5 % 5 / 4.0), std::pair(2, i / 25 / 4.0)}) {
+          for (const auto& [d, u] :
+               {std::pair(0, i % 5 / 4.0), std::pair(1, i / 5 % 5 / 4.0), std::pair(2, i / 25 / 4.0)}) {
             w *= c >> d & 1 ? u : 1 - u;
           }
           p += w * at[blocks[b][c]];
@@ -236,9 +237,14 @@ TEST(Junctions, ReachTheQualityOfTheDesign) {
     double least;
   };
   const std::vector<gallery::Shape> shapes = gallery::shapes();
-  for (const Named& named : {Named{"Y 120", 0.75}, {"iliac", 0.74}, {"T thin", 0.75}, {"trifurcation", 0.73},
-                             {"cross", 0.74}, {"six axes", 0.74}}) {
-    const auto shape = std::find_if(shapes.begin(), shapes.end(), [&](const auto& s) { return s.name == named.name; });
+  for (const Named& named : {Named{"Y 120", 0.75},
+                             {"iliac", 0.74},
+                             {"T thin", 0.75},
+                             {"trifurcation", 0.73},
+                             {"cross", 0.74},
+                             {"six axes", 0.74}}) {
+    const auto shape =
+        std::find_if(shapes.begin(), shapes.end(), [&](const auto& s) { return s.name == named.name; });
     ASSERT_TRUE(shape != shapes.end());
     const SkeletonMesh m = mesh_skeleton(shape->skeleton);
     ASSERT_EQ(m.blocks.junctions.size(), 1u);

@@ -62,14 +62,15 @@ inline Skeleton curve(const std::function<Vec3(double)>& at, double radius, int 
 inline Skeleton torus(double bend_radius, double radius) {
   return curve(
       [=](double t) {
-        return Vec3(bend_radius * std::cos(2 * std::numbers::pi * t), bend_radius * std::sin(2 * std::numbers::pi * t), 0);
+        return Vec3(bend_radius * std::cos(2 * std::numbers::pi * t),
+                    bend_radius * std::sin(2 * std::numbers::pi * t), 0);
       },
       radius, 48, true);
 }
 
 inline Skeleton tube(double length, double radius) {
-  return curve([=](double t) { return Vec3(0.3 * length * t, 0.8 * length * t, std::sqrt(0.27) * length * t); }, radius,
-               static_cast<int>(length / radius), false);
+  return curve([=](double t) { return Vec3(0.3 * length * t, 0.8 * length * t, std::sqrt(0.27) * length * t); },
+               radius, static_cast<int>(length / radius), false);
 }
 
 /// Puts b beside a.
@@ -156,8 +157,8 @@ inline std::vector<Shape> shapes() {
   std::vector<Shape> all;
   all.push_back({"tube", tube(8, 1), 1, 0, 2});
   all.push_back({"torus", torus(4, 1), 1, 1, 0});
-  all.push_back({"helix", curve([](double t) { return Vec3(3 * std::cos(9 * t), 3 * std::sin(9 * t), 12 * t); }, 1, 40,
-                                false)});
+  all.push_back({"helix", curve([](double t) { return Vec3(3 * std::cos(9 * t), 3 * std::sin(9 * t), 12 * t); }, 1,
+                                40, false)});
   all.push_back({"taper", [] {
                    Skeleton s = tube(10, 1);
                    for (std::size_t i = 0; i < s.radii.size(); ++i) {
@@ -169,9 +170,9 @@ inline std::vector<Shape> shapes() {
   all.push_back({"Y 120", star({spherical(0, 0), spherical(120, 0), spherical(240, 0)}, {1, 1, 1}, 6), 1, 0, 3});
   all.push_back({"iliac", star({-y, spherical(65, 0), spherical(115, 0)}, {1, 0.75, 0.75}, 6), 1, 0, 3});
   all.push_back({"T thin", star({x, -x, y}, {1, 1, 0.25}, 5), 1, 0, 3});
-  all.push_back({"trifurcation", star({-z, spherical(0, 50), spherical(120, 50), spherical(240, 50)},
-                                      {1.2, 0.8, 0.8, 0.8}, 6),
-                 1, 0, 4});
+  all.push_back({"trifurcation",
+                 star({-z, spherical(0, 50), spherical(120, 50), spherical(240, 50)}, {1.2, 0.8, 0.8, 0.8}, 6), 1, 0,
+                 4});
   all.push_back({"cross", star({x, y, -x, -y}, {1, 1, 1, 1}, 5), 1, 0, 4});
   all.push_back({"six axes", star({x, -x, y, -y, z, -z}, {1, 1, 1, 1, 1, 1}, 5), 1, 0, 6});
   all.push_back({"linked 1.2 r", linked(1.2), 1, 0, 4});

@@ -1,10 +1,9 @@
-#include "vasohex/grading/division.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "vasohex/core/error.h"
+#include "vasohex/grading/division.h"
 
 namespace vasohex {
 namespace {

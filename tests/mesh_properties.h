@@ -103,7 +103,8 @@ inline Topology expect_conforming(const HexMesh& mesh) {
   for (const auto& [edge, count] : edges) {
     EXPECT_EQ(count, 2) << "boundary is not a manifold";
   }
-  const int euler = static_cast<int>(vertices.size()) - static_cast<int>(edges.size()) + static_cast<int>(single.size());
+  const int euler =
+      static_cast<int>(vertices.size()) - static_cast<int>(edges.size()) + static_cast<int>(single.size());
   t.loops = t.components - euler / 2;
   return t;
 }

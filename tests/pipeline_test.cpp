@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <numbers>
 
 #include "gallery.h"
@@ -9,6 +10,7 @@
 #include "vasohex/core/node_family.h"
 #include "vasohex/mesh/layer_heights.h"
 #include "vasohex/quality/quality_report.h"
+#include "vasohex/skeleton/read_skeleton.h"
 #include "vasohex/vasohex.h"
 
 namespace vasohex {
@@ -137,6 +139,35 @@ TEST(RandomJunctions, AreCertified) {
   }
 }
 
+TEST(RealVessels, AreCertifiedAtOrders1To3) {
+  const char* data = std::getenv("VASOHEX_DATA");
+  if (!data) {
+    GTEST_SKIP() << "VASOHEX_DATA is not set: the folder of published skeletons";
+  }
+  std::vector<std::string> cases{"s01_aorta_iliac_vmr0110/aorta.contours.swc",
+                                 "s01_aorta_iliac_vmr0110/demo.derived_skeleton.graph.json",
+                                 "s03_ica_tree/example_centerline_ICA.swc",
+                                 "s06_coronary_721A/721A_Centreline.graph.json",
+                                 "s11_six_branch_junction/bifurcation_Y.axes.graph.json"};
+  for (const int i : {1, 2, 12, 23, 50, 66}) {
+    cases.push_back("s13_synthaorta/skeleton_" + std::to_string(i) + ".graph.json");
+  }
+  for (const std::string& name : cases) {
+    SCOPED_TRACE(name);
+    const Skeleton skeleton = read_skeleton(std::string(data) + "/" + name);
+    for (const int order : {1, 2, 3}) {
+      const SkeletonMesh m = mesh_skeleton(skeleton, with(order, order == 1 ? 6 : 3));
+      const QualityReport q = measure_quality(m.result.mesh);
+      EXPECT_EQ(q.certified, m.result.mesh.element_count()) << "order " << order;
+      EXPECT_EQ(m.result.unconverged, 0);
+      EXPECT_GT(q.scaled_jacobian.min, order == 1 ? 0.35 : 0.4) << "order " << order;
+      if (order == 1) {
+        EXPECT_GT(q.scaled_jacobian_linear.mean, 0.93);
+      }
+    }
+  }
+}
+
 TEST(Mesh, IsTheSameForAnyNumberOfThreads) {
   const Skeleton skeleton = gallery::linked(6);
   std::vector<HexMesh> meshes;
@@ -153,9 +184,9 @@ TEST(Mesh, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Mesh, MovesAndScalesWithItsSkeleton) {
-  const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) *
-                                    Eigen::AngleAxisd(-1.9, Vec3(0, 1, -1).normalized()))
-                                       .toRotationMatrix();
+  const Eigen::Matrix3d rotation =
+      (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * Eigen::AngleAxisd(-1.9, Vec3(0, 1, -1).normalized()))
+          .toRotationMatrix();
   for (const Skeleton& skeleton : {gallery::linked(6), gallery::linked(1.2), gallery::random_star(4, 1, 30),
                                    gallery::ring_with_arms(), gallery::torus(4, 1)}) {
     const HexMesh plain = mesh_skeleton(skeleton, with(2, 2)).result.mesh;
@@ -184,11 +215,11 @@ TEST(Tube, VolumeConvergesAtOrderTwoP) {
   for (const int order : {1, 2, 3}) {
     double before = 0;
     for (const int elements : {1, 2, 4}) {
-      const double error =
-          std::abs(volume(mesh_skeleton(gallery::tube(length, radius), with(order, elements, NodeFamily::gauss_lobatto))
-                              .result.mesh) -
-                   exact) /
-          exact;
+      const double error = std::abs(volume(mesh_skeleton(gallery::tube(length, radius),
+                                                         with(order, elements, NodeFamily::gauss_lobatto))
+                                               .result.mesh) -
+                                    exact) /
+                           exact;
       if (elements > 1 && before > 1e-11) {
         EXPECT_GT(std::log2(before / error), 2 * order - 0.3) << "order " << order << ", " << elements << " elements";
       }

@@ -31,8 +31,8 @@ struct SkeletonMesh {
   std::map<std::string, double> seconds;  ///< wall time of `surface`, `blocks`, `mesh`
 };
 
-/// Cleans and smooths the skeleton, wraps it in a convolution surface, builds and optimises blocks, grades and meshes.
-/// The mesh may hold invalid elements: measure_quality tells. Errors as of the stages.
+/// Cleans and smooths the skeleton, wraps it in a convolution surface, builds and optimises blocks, grades and
+/// meshes. The mesh may hold invalid elements: measure_quality tells. Errors as of the stages.
 SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& options = {}, const Run& run = {});
 
 }  // namespace vasohex

@@ -20,9 +20,9 @@ struct BlockStructure {
     int surface = 0;  ///< index into `surfaces`; 0 is the wall
   };
   struct Junction {
-    int node = 0;           ///< of the network
-    int degree = 0;         ///< of the junction
-    std::string prototype;  ///< `cube`, `tree of cubes`, or `cubes linked` in a cluster of junctions
+    int node = 0;             ///< of the network
+    int degree = 0;           ///< of the junction
+    std::string prototype;    ///< `cube`, `tree of cubes`, or `cubes linked` in a cluster of junctions
     double min_jacobian = 0;  ///< least scaled Jacobian of the cluster's blocks
     bool certified = false;
     int candidates = 0;  ///< assignments tried
@@ -38,8 +38,8 @@ struct BlockStructure {
   std::vector<std::string> surfaces;       ///< `wall`, inlets, outlets
   std::vector<SectionFrame> ends;          ///< of surfaces[1 + i], normal outward
   std::vector<Junction> junctions;
-  double min_jacobian = 1;  ///< least scaled Jacobian of all blocks on lattices of 9^3 points
-  int certified = 0;        ///< blocks whose Jacobian determinant is proven positive everywhere
+  double min_jacobian = 1;      ///< least scaled Jacobian of all blocks on lattices of 9^3 points
+  int certified = 0;            ///< blocks whose Jacobian determinant is proven positive everywhere
   double optimise_seconds = 0;  ///< wall time of the junctions
   std::string units;
 };

@@ -18,8 +18,8 @@ struct BlockOptions {
 /// in network.repairs. To be called before the surface is made.
 void clear_ends(Network& network);
 
-/// Cross-sections along the branches, cubes or trees of cubes at the junctions, optimised. Blocks may come out invalid:
-/// see `certified`.
+/// Cross-sections along the branches, cubes or trees of cubes at the junctions, optimised. Blocks may come out
+/// invalid: see `certified`.
 BlockStructure build_blocks(const Network& network, const ImplicitSurface& surface, const BlockOptions& options,
                             const Run& run);
 

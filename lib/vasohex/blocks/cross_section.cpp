@@ -9,9 +9,10 @@
 namespace vasohex {
 namespace {
 
-// The core is a square with bulged sides: x = a (kMiddle - kBulge b^2) for a, b in [-1, 1], y likewise. Its corners lie
-// at radius 0.6. At a core corner three quads meet; the bulge splits the full turn into 122.4 degrees for the core and
-// 118.8 twice, the best compromise of curved elements (scaled Jacobian .844) and of straight ones with 6 per edge (.853).
+// The core is a square with bulged sides: x = a (kMiddle - kBulge b^2) for a, b in [-1, 1], y likewise. Its corners
+// lie at radius 0.6. At a core corner three quads meet; the bulge splits the full turn into 122.4 degrees for the
+// core and 118.8 twice, the best compromise of curved elements (scaled Jacobian .844) and of straight ones with 6 per
+// edge (.853).
 constexpr double kMiddle = 0.4856;
 constexpr double kBulge = 0.0616;
 

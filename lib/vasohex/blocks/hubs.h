@@ -12,8 +12,8 @@ namespace vasohex {
 /// Junctions linked to each other, directly or through others.
 using Cluster = std::vector<Hub>;
 
-/// All clusters of the network, in the order of their first node. Caps lie where the surface around the branch is a tube
-/// again; branches too short for two caps become links.
+/// All clusters of the network, in the order of their first node. Caps lie where the surface around the branch is a
+/// tube again; branches too short for two caps become links.
 std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface);
 
 /// Distance along each branch end at `node` at which the other branches leave room for a cap, by cap_distance.

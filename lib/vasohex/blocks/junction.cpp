@@ -62,7 +62,8 @@ struct Builder {
     return static_cast<int>(out.problem.vertices.size()) - 1;
   }
   /// The block from quad `low` to quad `high`, both cyclic, counter-clockwise seen from `high`.
-  int block(const std::array<int, 4>& low, const std::array<int, 4>& high, int aim, int hub, const DirectionKinds& kinds) {
+  int block(const std::array<int, 4>& low, const std::array<int, 4>& high, int aim, int hub,
+            const DirectionKinds& kinds) {
     out.problem.blocks.push_back({low[0], low[1], low[3], low[2], high[0], high[1], high[3], high[2]});
     out.problem.block_aim.push_back(aim);
     out.kinds.push_back(kinds);
@@ -310,7 +311,8 @@ std::vector<CubeAssignment> cube_assignments(const std::vector<Vec3>& directions
     }
   };
   choose(0, 0);
-  // costs that differ by rounding only must not decide the order: symmetric arms would be meshed differently when turned
+  // costs that differ by rounding only must not decide the order: symmetric arms would be meshed differently when
+  // turned
   std::stable_sort(all.begin(), all.end(), [](const CubeAssignment& a, const CubeAssignment& b) {
     return std::llround(a.cost * 1e6) < std::llround(b.cost * 1e6);
   });

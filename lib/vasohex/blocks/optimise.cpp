@@ -15,8 +15,8 @@ namespace {
 double dot(const Points& a, const Points& b) { return (a.array() * b.array()).sum(); }
 double largest_row(const Points& a) { return std::sqrt(a.rowwise().squaredNorm().maxCoeff()); }
 
-/// Calls f(node a, node b, weight) for every lattice edge of a finite-volume Laplacian on the Gauss-Lobatto lattice with
-/// the blocks' target lengths.
+/// Calls f(node a, node b, weight) for every lattice edge of a finite-volume Laplacian on the Gauss-Lobatto lattice
+/// with the blocks' target lengths.
 template <class F>
 void for_laplacian_edges(const PolynomialBlocks& blocks, F&& f) {
   const int q = blocks.degree(), n = q + 1;
@@ -129,8 +129,8 @@ class Preconditioner {
   Eigen::VectorXd jacobi_;
 };
 
-/// L-BFGS with memory 10 [Nocedal & Wright, alg. 7.4] in the tangent space of the wall; every trial is retracted. Stops
-/// when the energy falls by less than `tolerance` (relative) four times in a row. Returns the iterations done.
+/// L-BFGS with memory 10 [Nocedal & Wright, alg. 7.4] in the tangent space of the wall; every trial is retracted.
+/// Stops when the energy falls by less than `tolerance` (relative) four times in a row. Returns the iterations done.
 int minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, const EnergyTerms& terms, int iterations,
              double tolerance) {
   constexpr std::size_t kMemory = 10;

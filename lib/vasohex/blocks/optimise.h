@@ -24,8 +24,8 @@ struct BlockProblem {
     int quad = 0;
     SectionFrame frame;
   };
-  /// Where the rays that place a block's wall nodes at the start come from: the nearest point of `axis`; from `centre`
-  /// where blocks of several axes meet or the axis is empty.
+  /// Where the rays that place a block's wall nodes at the start come from: the nearest point of `axis`; from
+  /// `centre` where blocks of several axes meet or the axis is empty.
   struct Aim {
     std::vector<Vec3> axis;
     Vec3 centre = Vec3::Zero();
@@ -50,7 +50,8 @@ struct BlockSolution {
 };
 
 /// The recipe of docs/design.md: untangle at degree 2, then degrees 2, 3, 4 with rising weight on the worst scaled
-/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; then certify. Deterministic.
+/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; then certify.
+/// Deterministic.
 BlockSolution optimise_blocks(const BlockProblem& problem);
 
 /// Control points [blocks][kBlockNodes] judged as they are: min_jacobian and certificate.

@@ -46,8 +46,8 @@ struct Energy {
   double min_det = 0;
 };
 
-/// Weight of the mean square distance of the wall to the surface, over the block length. Decisive: without it polynomial
-/// faces drift and projection lands on the wrong vessel.
+/// Weight of the mean square distance of the wall to the surface, over the block length. Decisive: without it
+/// polynomial faces drift and projection lands on the wrong vessel.
 inline constexpr double kWallWeight = 72;
 
 /// Topology, nodes, wall: everything the energy needs. The problem and the topology must outlive it.
@@ -166,8 +166,8 @@ class PolynomialBlocks {
     for (const BlockProblem::Section& s : problem_->sections) {
       const int n = degree_ + 1;
       for_face(s.face, [&](int, int, int at) {
-        x.row(id(s.block, at)) = place_section_point(*problem_->surface, s.frame, s.quad, nodes_1d_[at % n],
-                                                     nodes_1d_[at / n % n]);
+        x.row(id(s.block, at)) =
+            place_section_point(*problem_->surface, s.frame, s.quad, nodes_1d_[at % n], nodes_1d_[at / n % n]);
       });
     }
   }
@@ -288,8 +288,8 @@ class PolynomialBlocks {
   const Points& normals() const { return normals_; }
   void set_normals(const Points& n) { normals_ = n; }
 
-  /// Laplace sweeps: every free or wall node halfway to the mean of its neighbours on the lattice (of wall nodes: on the
-  /// wall and sections).
+  /// Laplace sweeps: every free or wall node halfway to the mean of its neighbours on the lattice (of wall nodes: on
+  /// the wall and sections).
   void smooth(int sweeps) {
     const int n = degree_ + 1;
     std::vector<std::vector<int>> neighbours(x.rows());

@@ -48,8 +48,8 @@ std::vector<std::vector<Group>> groupings(const Hub& hub) {
     for (int i = 0; i < arms; ++i) {
       for (int j = i + 1; j < arms; ++j) {
         for (int k = j + 1; k < arms; ++k) {
-          const double a = std::max({angle(hub.arms[i], hub.arms[j]), angle(hub.arms[i], hub.arms[k]),
-                                     angle(hub.arms[j], hub.arms[k])});
+          const double a = std::max(
+              {angle(hub.arms[i], hub.arms[j]), angle(hub.arms[i], hub.arms[k]), angle(hub.arms[j], hub.arms[k])});
           if (a < least) {
             least = a;
             best = {i, j, k};

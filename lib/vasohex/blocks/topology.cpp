@@ -56,8 +56,8 @@ BlockTopology build_topology(int vertex_count, const std::vector<std::array<int,
       use.face = it->second;
       t.block_faces[b][f] = use;
       if (++t.face_block_count[use.face] > 2) {
-        throw Error(ErrorCode::internal, "block " + std::to_string(b) + ": its face " + std::to_string(f) +
-                                             " is shared by three blocks");
+        throw Error(ErrorCode::internal,
+                    "block " + std::to_string(b) + ": its face " + std::to_string(f) + " is shared by three blocks");
       }
     }
   }

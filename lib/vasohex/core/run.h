@@ -12,7 +12,8 @@ namespace vasohex {
 struct Run {
   /// Number of threads; 0: all cores. The result is the same to the last bit for any number.
   int threads = 0;
-  /// Called from one thread at a time with the stage and the part done in [0, 1]; false cancels (ErrorCode::cancelled).
+  /// Called from one thread at a time with the stage and the part done in [0, 1]; false cancels
+  /// (ErrorCode::cancelled).
   std::function<bool(std::string_view stage, double fraction)> on_progress;
   /// Called with one line of text per message.
   std::function<void(std::string_view line)> on_log;

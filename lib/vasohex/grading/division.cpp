@@ -42,9 +42,10 @@ std::vector<double> divide(const Law& law, int count) {
   t[count] = 1;
   for (int i = 0; i < count; ++i) {
     if (!(t[i] < t[i + 1])) {
-      throw Error(ErrorCode::bad_input, "grading law: position " + std::to_string(t[i + 1]) + " of division " +
-                                            std::to_string(i + 1) + " of " + std::to_string(count) +
-                                            " does not lie beyond the one before it; a law must increase from 0 to 1");
+      throw Error(ErrorCode::bad_input,
+                  "grading law: position " + std::to_string(t[i + 1]) + " of division " + std::to_string(i + 1) +
+                      " of " + std::to_string(count) +
+                      " does not lie beyond the one before it; a law must increase from 0 to 1");
     }
   }
   return t;

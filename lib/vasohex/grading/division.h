@@ -42,10 +42,10 @@ struct WallLayers {
   double growth = 1.2;         ///< each layer to the one before it
 };
 
-/// Distances from the wall, of a line of length `length` with `count` > layers parts: 0 = d[0] < ... < d[count] = length.
-/// The layers first, then parts that grow or shrink geometrically from the last layer to fill the rest. Layers that take
-/// more than 0.9 of the line are shrunk in proportion; `shrunk` tells.
-/// \param first height of the first layer, same unit as `length`.
+/// Distances from the wall, of a line of length `length` with `count` > layers parts: 0 = d[0] < ... < d[count] =
+/// length. The layers first, then parts that grow or shrink geometrically from the last layer to fill the rest.
+/// Layers that take more than 0.9 of the line are shrunk in proportion; `shrunk` tells. \param first height of the
+/// first layer, same unit as `length`.
 std::vector<double> divide_wall_line(const WallLayers& layers, double first, int count, double length, bool& shrunk);
 
 }  // namespace vasohex

@@ -14,7 +14,9 @@ namespace {
 /// Edges joined when they must share a division, with the direction of each relative to its leader.
 class DirectedUnion {
  public:
-  explicit DirectedUnion(std::size_t n) : leader_(n), reversed_(n, 0) { std::iota(leader_.begin(), leader_.end(), 0); }
+  explicit DirectedUnion(std::size_t n) : leader_(n), reversed_(n, 0) {
+    std::iota(leader_.begin(), leader_.end(), 0);
+  }
 
   std::pair<int, bool> find(int e) {
     bool reversed = false;
@@ -130,7 +132,8 @@ Sheets grade(const BlockStructure& blocks, const BlockTopology& topology, const 
   }
 
   for (const Grading::Request& r : grading.requests) {
-    const auto sheet = std::find_if(out.sheets.begin(), out.sheets.end(), [&](const Sheet& s) { return s.name == r.sheet; });
+    const auto sheet =
+        std::find_if(out.sheets.begin(), out.sheets.end(), [&](const Sheet& s) { return s.name == r.sheet; });
     if (sheet == out.sheets.end()) {
       throw Error(ErrorCode::bad_input, "sheet " + r.sheet + " does not exist; the sheets run from " +
                                             out.sheets.front().name + " to " + out.sheets.back().name);

@@ -123,9 +123,9 @@ struct WallNode {
   bool converged = false;
 };
 
-/// Newton onto the surface, within the plane of normal `plane` unless it is null; `radius` is about the local one. The
-/// blocks' walls lie close by, so an evaluation saved counts: the last step, of less than 1e-8 radii, is taken without
-/// another look, and its length is the bound.
+/// Newton onto the surface, within the plane of normal `plane` unless it is null; `radius` is about the local one.
+/// The blocks' walls lie close by, so an evaluation saved counts: the last step, of less than 1e-8 radii, is taken
+/// without another look, and its length is the bound.
 WallNode to_wall(const ImplicitSurface& surface, const Vec3& start, const Vec3* plane, double radius) {
   WallNode w;
   w.point = start;

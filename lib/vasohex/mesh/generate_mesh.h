@@ -18,13 +18,13 @@ struct MeshResult {
   HexMesh mesh;
   /// Largest distance of a wall node to the surface, over the local radius: a bound, the length of the last step.
   double wall_residual_max = 0;
-  int unconverged = 0;           ///< wall nodes whose projection did not converge (they stay where the block has them)
-  int shrunk_lines = 0;          ///< lines towards the wall too short for the layers asked for
+  int unconverged = 0;   ///< wall nodes whose projection did not converge (they stay where the block has them)
+  int shrunk_lines = 0;  ///< lines towards the wall too short for the layers asked for
 };
 
-/// Evaluates the blocks at the nodes of the graded lattice; wall nodes are projected onto the surface (those on an end:
-/// within its plane) and the shift fades linearly along the line to the core. The same bytes for any number of threads.
-/// Throws Error(bad_input) for an order < 1.
+/// Evaluates the blocks at the nodes of the graded lattice; wall nodes are projected onto the surface (those on an
+/// end: within its plane) and the shift fades linearly along the line to the core. The same bytes for any number of
+/// threads. Throws Error(bad_input) for an order < 1.
 MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topology, const Sheets& sheets,
                          const ImplicitSurface& surface, const MeshOptions& options, const Run& run);
 

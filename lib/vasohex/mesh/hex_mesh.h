@@ -21,12 +21,13 @@ struct HexMesh {
   int order = 1;
   NodeFamily family = NodeFamily::equispaced;
   std::vector<Vec3> nodes;
-  std::vector<int> elements;            ///< [elements * (p+1)^3]
-  std::vector<int> element_block;       ///< [elements], index of the block; empty: unknown
-  std::vector<int> element_branch;      ///< [elements], branch of the network, or -1 - node for a junction; empty: unknown
-  std::vector<BoundaryFace> boundary;   ///< every face of one element, once
-  std::vector<std::string> surfaces;    ///< names; physical id of surfaces[s] is s + 1 (`wall` is 0)
-  std::string volume = "lumen";         ///< physical id is surfaces.size() + 1
+  std::vector<int> elements;       ///< [elements * (p+1)^3]
+  std::vector<int> element_block;  ///< [elements], index of the block; empty: unknown
+  std::vector<int>
+      element_branch;  ///< [elements], branch of the network, or -1 - node for a junction; empty: unknown
+  std::vector<BoundaryFace> boundary;  ///< every face of one element, once
+  std::vector<std::string> surfaces;   ///< names; physical id of surfaces[s] is s + 1 (`wall` is 0)
+  std::string volume = "lumen";        ///< physical id is surfaces.size() + 1
   std::string units;
 
   int nodes_per_element() const { return (order + 1) * (order + 1) * (order + 1); }

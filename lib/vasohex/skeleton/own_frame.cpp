@@ -41,7 +41,8 @@ OwnFrame own_frame(const Network& network) {
   }
   frame.origin /= samples;
   frame.scale = radius / samples;
-  const Vec3 x = (largest(network, [&](const Vec3& p) { return (p - frame.origin).norm(); }) - frame.origin).normalized();
+  const Vec3 x =
+      (largest(network, [&](const Vec3& p) { return (p - frame.origin).norm(); }) - frame.origin).normalized();
   const auto aside = [&](const Vec3& p) { return Vec3((p - frame.origin) - x.dot(p - frame.origin) * x); };
   Vec3 y = aside(largest(network, [&](const Vec3& p) { return aside(p).norm(); }));
   y = y.norm() > 1e-6 * frame.scale ? y.normalized() : x.unitOrthogonal();

@@ -1,0 +1,228 @@
+#include "vasohex/blocks/branch_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "vasohex/core/node_family.h"
+
+namespace vasohex {
+namespace {
+
+constexpr int kLine = kBlockDegree + 1;
+
+/// Rotation-minimising frames at the ascending arc lengths `s`, by double reflection [Wang, Jüttler, Zheng, Liu
+/// 2008].
+std::vector<SectionFrame> transported_frames(const Branch& branch, const std::vector<double>& s, const Vec3& start) {
+  std::vector<SectionFrame> frames;
+  AxisPoint here = axis_point(branch, s.front());
+  Vec3 x = (start - here.tangent.dot(start) * here.tangent).normalized();
+  double at = s.front();
+  for (const double target : s) {
+    const int steps = std::max(1, static_cast<int>(std::ceil((target - at) / (0.1 * here.radius))));
+    const double from = at;
+    for (int i = 1; i <= steps && target > from; ++i) {
+      const AxisPoint next = axis_point(branch, from + (target - from) * i / steps);
+      const Vec3 v1 = next.position - here.position;
+      const double c1 = v1.squaredNorm();
+      if (c1 > 0) {
+        const Vec3 x_left = x - 2 / c1 * v1.dot(x) * v1;
+        const Vec3 t_left = here.tangent - 2 / c1 * v1.dot(here.tangent) * v1;
+        const Vec3 v2 = next.tangent - t_left;
+        const double c2 = v2.squaredNorm();
+        x = c2 > 0 ? Vec3(x_left - 2 / c2 * v2.dot(x_left) * v2) : x_left;
+        x = (x - next.tangent.dot(x) * next.tangent).normalized();
+      }
+      here = next;
+    }
+    at = target;
+    SectionFrame f;
+    f.origin = here.position;
+    f.x = x;
+    f.y = here.tangent.cross(x);
+    f.radius = here.radius;
+    frames.push_back(f);
+  }
+  return frames;
+}
+
+/// A direction across the branch that turns with it when it is turned: towards its point furthest from the chord.
+/// Straight branches have none; any direction does.
+Vec3 own_direction(const Branch& branch) {
+  const Vec3 chord = branch.points.back() - branch.points.front();
+  const double length2 = chord.squaredNorm();
+  Vec3 furthest = Vec3::Zero();
+  for (const Vec3& p : branch.points) {
+    Vec3 aside = p - branch.points.front();
+    if (length2 > 0) {
+      aside -= chord.dot(aside) / length2 * chord;
+    }
+    if (aside.squaredNorm() > furthest.squaredNorm() * (1 + 1e-9)) {
+      furthest = aside;
+    }
+  }
+  const Vec3& t = branch.tangents.front();
+  const Vec3 across = furthest - t.dot(furthest) * t;
+  return across.norm() > 1e-6 * branch.length() ? across.normalized() : t.unitOrthogonal();
+}
+
+double angle_about(const SectionFrame& frame, const Vec3& direction) {
+  return std::atan2(direction.dot(frame.y), direction.dot(frame.x));
+}
+
+}  // namespace
+
+std::vector<double> stations(const Branch& branch, double s0, double s1, double block_length, int at_least) {
+  constexpr int kSamples = 400;
+  std::vector<double> blocks_before(kSamples + 1, 0.0);
+  AxisPoint before = axis_point(branch, s0);
+  for (int i = 1; i <= kSamples; ++i) {
+    const AxisPoint p = axis_point(branch, s0 + (s1 - s0) * i / kSamples);
+    const double turn = std::atan2(before.tangent.cross(p.tangent).norm(), before.tangent.dot(p.tangent));
+    const double along = (s1 - s0) / kSamples / (block_length * 0.5 * (p.radius + before.radius));
+    blocks_before[i] = blocks_before[i - 1] + std::max(along, turn / 0.6);
+    before = p;
+  }
+  const int count = std::max(at_least, static_cast<int>(std::lround(blocks_before.back())));
+  std::vector<double> s{s0};
+  int i = 0;
+  for (int b = 1; b < count; ++b) {
+    const double wanted = blocks_before.back() * b / count;
+    while (blocks_before[i + 1] < wanted) {
+      ++i;
+    }
+    const double part = (wanted - blocks_before[i]) / (blocks_before[i + 1] - blocks_before[i]);
+    s.push_back(s0 + (s1 - s0) * (i + part) / kSamples);
+  }
+  s.push_back(s1);
+  return s;
+}
+
+void fill_nodes(const ImplicitSurface& surface, BranchPiece& piece) {
+  const std::vector<double> gauss = family_nodes(NodeFamily::gauss_lobatto, kBlockDegree);
+  const int layers = static_cast<int>(piece.stations.size()) - 1;
+  // section by section: the last of a layer is the first of the next
+  std::vector<std::vector<Vec3>> sections(piece.frames.size(), std::vector<Vec3>(5 * kLine * kLine));
+  for (std::size_t s = 0; s < piece.frames.size(); ++s) {
+    for (int quad = 0; quad < 5; ++quad) {
+      for (int at = 0; at < kLine * kLine; ++at) {
+        sections[s][quad * kLine * kLine + at] =
+            place_section_point(surface, piece.frames[s], quad, gauss[at % kLine], gauss[at / kLine]);
+      }
+    }
+  }
+  piece.nodes.resize(static_cast<std::size_t>(5) * layers * kBlockNodes);
+  for (int layer = 0; layer < layers; ++layer) {
+    for (int quad = 0; quad < 5; ++quad) {
+      for (int k = 0; k < kLine; ++k) {
+        for (int at = 0; at < kLine * kLine; ++at) {
+          piece.nodes[static_cast<std::size_t>(5 * layer + quad) * kBlockNodes + k * kLine * kLine + at] =
+              sections[layer * kBlockDegree + k][quad * kLine * kLine + at];
+        }
+      }
+    }
+  }
+}
+
+void place_frames(const Branch& branch, const SectionFrame* first, const SectionFrame* last, BranchPiece& piece) {
+  const std::vector<double> gauss = family_nodes(NodeFamily::gauss_lobatto, kBlockDegree);
+  std::vector<double> s{piece.stations.front()};
+  for (std::size_t b = 0; b + 1 < piece.stations.size(); ++b) {
+    for (int k = 1; k < kLine; ++k) {
+      s.push_back(piece.stations[b] + gauss[k] * (piece.stations[b + 1] - piece.stations[b]));
+    }
+  }
+  piece.frames = transported_frames(branch, s, own_direction(branch));
+  std::optional<double> turn0, turn1;
+  if (first) {
+    turn0 = angle_about(piece.frames.front(), first->x);
+  }
+  if (last) {
+    turn1 = angle_about(piece.frames.back(), last->x);
+  }
+  if (piece.closed) {
+    turn0 = 0.0;
+    turn1 = angle_about(piece.frames.back(), piece.frames.front().x);
+  }
+  if (turn0 && turn1) {
+    constexpr double kQuarter = std::numbers::pi / 2;
+    // ties (45 degrees exactly) must not be decided by rounding
+    piece.quarter_turns = static_cast<int>(std::floor((*turn0 - *turn1) / kQuarter + 0.5 + 1e-6));
+    *turn1 += piece.quarter_turns * kQuarter;
+  }
+  const double begin = turn0 ? *turn0 : turn1.value_or(0.0);
+  const double end = turn1 ? *turn1 : begin;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const double part = (s[i] - s.front()) / (s.back() - s.front());
+    piece.frames[i] = turned(piece.frames[i], begin + part * (end - begin));
+  }
+}
+
+void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, double good, BranchPiece& piece) {
+  const int layers = static_cast<int>(piece.stations.size()) - 1;
+  const auto layer_nodes = [&](int layer, int count) {
+    const auto begin = piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * layer * kBlockNodes;
+    return std::vector<Vec3>(begin, begin + static_cast<std::ptrdiff_t>(5) * count * kBlockNodes);
+  };
+  std::vector<char> weak(layers);
+  for (int layer = 0; layer < layers; ++layer) {
+    const BlockSolution judged = judge_blocks(layer_nodes(layer, 1));
+    weak[layer] = !judged.certified || judged.min_jacobian < good;
+  }
+  for (int first = 0; first < layers; ++first) {
+    if (!weak[first]) {
+      continue;
+    }
+    int last = first;
+    while (last + 1 < layers && (weak[last + 1] || (last + 2 < layers && weak[last + 2]))) {
+      ++last;
+    }
+    const int from = std::max(0, first - 1), to = std::min(layers - 1, last + 1);
+    BlockProblem problem;
+    problem.surface = &surface;
+    BlockProblem::Aim aim;
+    for (int i = 0; i <= 24 * (to - from + 1); ++i) {
+      const double s0 = piece.stations[from], s1 = piece.stations[to + 1];
+      aim.axis.push_back(axis_point(branch, s0 + (s1 - s0) * i / (24 * (to - from + 1))).position);
+    }
+    problem.aims.push_back(aim);
+    std::array<int, 4> in0{}, out0{};
+    for (int layer = from; layer <= to + 1; ++layer) {
+      const SectionFrame& frame = piece.frames[layer * kBlockDegree];
+      std::array<int, 4> in1{}, out1{};
+      for (int j = 0; j < 4; ++j) {
+        in1[j] = static_cast<int>(problem.vertices.size());
+        problem.vertices.push_back(place_section_point(surface, frame, 1 + j, 0, 0));
+        out1[j] = static_cast<int>(problem.vertices.size());
+        problem.vertices.push_back(place_section_point(surface, frame, 1 + j, 1, 0));
+      }
+      if (layer > from) {
+        const auto add = [&](const std::array<int, 4>& low, const std::array<int, 4>& high) {
+          problem.blocks.push_back({low[0], low[1], low[3], low[2], high[0], high[1], high[3], high[2]});
+          problem.block_aim.push_back(0);
+        };
+        add(in0, in1);
+        for (int j = 0; j < 4; ++j) {
+          const int n = (j + 1) % 4;
+          add({in0[j], out0[j], out0[n], in0[n]}, {in1[j], out1[j], out1[n], in1[n]});
+        }
+      }
+      in0 = in1;
+      out0 = out1;
+    }
+    for (int quad = 0; quad < 5; ++quad) {
+      problem.sections.push_back({quad, 4, quad, piece.frames[from * kBlockDegree]});
+      problem.sections.push_back({5 * (to - from) + quad, 5, quad, piece.frames[(to + 1) * kBlockDegree]});
+    }
+    const BlockSolution before = judge_blocks(layer_nodes(from, to - from + 1));
+    const BlockSolution after = optimise_blocks(problem);
+    if (after.is_better_than(before)) {
+      std::copy(after.nodes.begin(), after.nodes.end(),
+                piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * from * kBlockNodes);
+    }
+    first = last;
+  }
+}
+
+}  // namespace vasohex

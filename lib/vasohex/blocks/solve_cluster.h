@@ -1,0 +1,26 @@
+#pragma once
+/// \file The search for good blocks of a cluster: assignments to cubes, trees of cubes.
+
+#include <utility>
+#include <vector>
+
+#include "vasohex/blocks/build_blocks.h"
+#include "vasohex/blocks/hubs.h"
+#include "vasohex/blocks/junction.h"
+#include "vasohex/blocks/optimise.h"
+
+namespace vasohex {
+
+struct ClusterResult {
+  Cluster cluster;                          ///< as solved: hubs may have been divided
+  std::vector<CubeAssignment> assignments;  ///< [hubs]
+  ClusterBlocks blocks;
+  BlockSolution solution;
+};
+
+/// One cube per junction; while that is weak, other assignments of the weakest junction's arms, or a tree of cubes
+/// there. Returns the best, and how many were tried. Deterministic.
+std::pair<ClusterResult, int> solve_cluster(const ImplicitSurface& surface, const Cluster& cluster,
+                                            const BlockOptions& options);
+
+}  // namespace vasohex
