@@ -65,16 +65,6 @@ std::vector<double> cap_distances_of(const Network& network, const std::vector<B
 
 }  // namespace
 
-std::vector<std::vector<BranchEnd>> branch_ends(const Network& network) {
-  std::vector<std::vector<BranchEnd>> ends(network.nodes.size());
-  for (std::size_t b = 0; b < network.branches.size(); ++b) {
-    for (int end = 0; end < 2; ++end) {
-      ends[network.branches[b].nodes[end]].push_back({static_cast<int>(b), end});
-    }
-  }
-  return ends;
-}
-
 std::vector<double> cap_distances(const Network& network, int node) {
   return cap_distances_of(network, branch_ends(network)[node]);
 }

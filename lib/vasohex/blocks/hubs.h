@@ -20,11 +20,4 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
 /// [branch ends at the node], in the order of branch_ends().
 std::vector<double> cap_distances(const Network& network, int node);
 
-struct BranchEnd {
-  int branch = 0;
-  int end = 0;  ///< 0: the branch starts here, 1: it ends here
-};
-/// The branch ends at each node of the network, in the order of the branches.
-std::vector<std::vector<BranchEnd>> branch_ends(const Network& network);
-
 }  // namespace vasohex

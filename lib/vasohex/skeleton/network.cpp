@@ -28,4 +28,14 @@ AxisPoint axis_point(const Branch& branch, double s) {
   return point;
 }
 
+std::vector<std::vector<BranchEnd>> branch_ends(const Network& network) {
+  std::vector<std::vector<BranchEnd>> ends(network.nodes.size());
+  for (std::size_t b = 0; b < network.branches.size(); ++b) {
+    for (int end = 0; end < 2; ++end) {
+      ends[network.branches[b].nodes[end]].push_back({static_cast<int>(b), end});
+    }
+  }
+  return ends;
+}
+
 }  // namespace vasohex

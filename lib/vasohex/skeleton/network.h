@@ -46,4 +46,13 @@ struct AxisPoint {
 };
 AxisPoint axis_point(const Branch& branch, double s);
 
+/// One of the two ends of a branch.
+struct BranchEnd {
+  int branch = 0;
+  int end = 0;  ///< 0: the branch starts here, 1: it ends here
+};
+
+/// The branch ends at each node of the network, in the order of the branches.
+std::vector<std::vector<BranchEnd>> branch_ends(const Network& network);
+
 }  // namespace vasohex

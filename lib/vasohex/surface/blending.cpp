@@ -8,24 +8,9 @@
 namespace vasohex {
 namespace {
 
-/// A branch seen from one of its ends.
-struct BranchEnd {
-  int branch = 0;
-  bool reversed = false;  ///< seen from nodes[1]
-};
-
 AxisPoint end_point(const Network& network, const BranchEnd& end, double distance) {
   const Branch& branch = network.branches[end.branch];
-  return axis_point(branch, end.reversed ? branch.length() - distance : distance);
-}
-
-std::vector<std::vector<BranchEnd>> ends_at_nodes(const Network& network) {
-  std::vector<std::vector<BranchEnd>> ends(network.nodes.size());
-  for (int b = 0; b < static_cast<int>(network.branches.size()); ++b) {
-    ends[network.branches[b].nodes[0]].push_back({b, false});
-    ends[network.branches[b].nodes[1]].push_back({b, true});
-  }
-  return ends;
+  return axis_point(branch, end.end == 1 ? branch.length() - distance : distance);
 }
 
 /// How far along tube i, from the node, its wall lies within tube j: two straight tubes at the angle of their
@@ -164,7 +149,7 @@ bool Blending::are_siblings(int joint, int piece, int other) const {
 Blending make_blending(const Network& network) {
   const int nodes = static_cast<int>(network.nodes.size());
   const int branches = static_cast<int>(network.branches.size());
-  const std::vector<std::vector<BranchEnd>> ends = ends_at_nodes(network);
+  const std::vector<std::vector<BranchEnd>> ends = branch_ends(network);
   Blending blending;
   for (int node = 0; node < nodes; ++node) {
     blending.node_balls.push_back(node_ball(network, node, ends[node]));
