@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "curved_box.h"
+#include "errors.h"
 #include "gmsh/node_order.h"
 #include "gmsh/read_msh.h"
 #include "gmsh/write_msh.h"
@@ -41,18 +42,6 @@ class Gmsh {
   }
   ~Gmsh() { gmsh::finalize(); }
 };
-
-/// The message of the Error that f throws; empty if it throws none.
-template <class F>
-std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::bad_input);
-    return e.what();
-  }
-  return "";
-}
 
 void expect_error_of_read(const std::string& path, const std::string& part) {
   SCOPED_TRACE(path);

@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "errors.h"
 #include "vasohex/core/error.h"
 #include "vasohex/skeleton/build_network.h"
 #include "vasohex/skeleton/read_skeleton.h"
@@ -18,19 +19,6 @@ namespace vasohex {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-/// Message of the Error that `f` throws; empty if none.
-template <class F>
-std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::bad_input);
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-    return e.what();
-  }
-  return "";
-}
 
 std::string written(const std::string& name, const std::string& text) {
   const std::string path = (std::filesystem::path(testing::TempDir()) / name).string();

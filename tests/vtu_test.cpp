@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "curved_box.h"
+#include "errors.h"
 #include "vasohex/core/error.h"
 #include "vtk/write_vtu.h"
 
@@ -38,17 +39,6 @@ class Vtu : public testing::Test {
  private:
   fs::path folder_;
 };
-
-template <class F>
-std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::bad_input);
-    return e.what();
-  }
-  return "";
-}
 
 TEST_F(Vtu, NodeOrdersArePermutations) {
   for (int p = 1; p <= 10; ++p) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <numeric>
+#include <optional>
 
 #include "vasohex/blocks/polynomial_blocks.h"
 #include "vasohex/quality/validity.h"
@@ -26,20 +27,12 @@ void for_laplacian_edges(const PolynomialBlocks& blocks, F&& f) {
     width[i] += 0.5 * (t[i + 1] - t[i]);
     width[i + 1] += 0.5 * (t[i + 1] - t[i]);
   }
-  const std::array<int, 3> stride{1, n, n * n};
-  for (int b = 0; b < blocks.block_count(); ++b) {
-    for (int at = 0; at < n * n * n; ++at) {
-      const std::array<int, 3> ijk{at % n, at / n % n, at / n / n};
-      for (int d = 0; d < 3; ++d) {
-        if (ijk[d] < q) {
-          const double length = blocks.lengths()[b][d];
-          const double weight = width[ijk[(d + 1) % 3]] * width[ijk[(d + 2) % 3]] /
-                                ((t[ijk[d] + 1] - t[ijk[d]]) * length * length * blocks.block_count());
-          f(blocks.id(b, at), blocks.id(b, at + stride[d]), weight);
-        }
-      }
-    }
-  }
+  blocks.for_lattice_edges([&](int b, int d, const std::array<int, 3>& ijk, int from, int to) {
+    const double length = blocks.lengths()[b][d];
+    const double weight = width[ijk[(d + 1) % 3]] * width[ijk[(d + 2) % 3]] /
+                          ((t[ijk[d] + 1] - t[ijk[d]]) * length * length * blocks.block_count());
+    f(from, to, weight);
+  });
 }
 
 /// Approximate inverse of the energy's Hessian: the inverse Laplacian at degree 2; above, that between interpolations
@@ -130,9 +123,9 @@ class Preconditioner {
 };
 
 /// L-BFGS with memory 10 [Nocedal & Wright, alg. 7.4] in the tangent space of the wall; every trial is retracted.
-/// Stops when the energy falls by less than `tolerance` (relative) four times in a row. Returns the iterations done.
-int minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, const EnergyTerms& terms, int iterations,
-             double tolerance) {
+/// Stops when the energy falls by less than `tolerance` (relative) four times in a row.
+void minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, const EnergyTerms& terms,
+              int iterations, double tolerance) {
   constexpr std::size_t kMemory = 10;
   const double longest_step = 0.15 * blocks.mean_length();
   Points gradient, trial, trial_gradient;
@@ -141,8 +134,8 @@ int minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, con
   std::deque<Points> moves, changes;
   std::deque<double> rho;
   double scale = 1;
-  int stalls = 0, done = 0;
-  for (; done < iterations; ++done) {
+  int stalls = 0;
+  for (int done = 0; done < iterations; ++done) {
     Points p = -gradient;
     std::vector<double> alpha(moves.size());
     for (std::size_t i = moves.size(); i-- > 0;) {
@@ -211,11 +204,9 @@ int minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, con
     gradient = trial_gradient;
     e = next;
     if (stalls > 3) {
-      ++done;
       break;
     }
   }
-  return done;
 }
 
 /// Epsilon of chi from the worst determinant: large while blocks are folded, small once they are not.
@@ -245,11 +236,10 @@ class Optimiser {
     for (int repair = 0; repair < 2 && !solution.certified; ++repair) {
       stage(kBlockDegree, 9, 16, 25);
       BlockSolution next = judge_blocks(blocks_.block_nodes());
-      if (next.certified || next.min_jacobian > solution.min_jacobian) {
+      if (next.is_better_than(solution)) {
         solution = std::move(next);
       }
     }
-    solution.iterations = iterations_;
     return solution;
   }
 
@@ -259,11 +249,16 @@ class Optimiser {
     return blocks_.energy(blocks_.x, terms, nullptr);
   }
 
-  int minimise_here(const EnergyTerms& terms, int iterations, double tolerance) {
-    const Preconditioner preconditioner(blocks_, problem_, topology_);
-    const int done = minimise(blocks_, preconditioner, terms, iterations, tolerance);
-    iterations_ += done;
-    return done;
+  void minimise_here(const EnergyTerms& terms, int iterations, double tolerance) {
+    if (!preconditioner_) {
+      preconditioner_.emplace(blocks_, problem_, topology_);
+    }
+    minimise(blocks_, *preconditioner_, terms, iterations, tolerance);
+  }
+
+  void update_lengths() {
+    blocks_.update_lengths();
+    preconditioner_.reset();
   }
 
   /// Degree 2, from the placed nodes or from 15 Laplace sweeps, whichever has the lower energy, until det T > .02.
@@ -286,17 +281,18 @@ class Optimiser {
       }
       terms.epsilon = epsilon_for(min_det);
       if (round == 5 || round == 9) {
-        blocks_.update_lengths();
+        update_lengths();
       }
       minimise_here(terms, 25, 1e-4);
     }
-    blocks_.update_lengths();
+    update_lengths();
   }
 
   /// Lifts the blocks to `degree`, unfolds what that folded, then raises the worst scaled Jacobians.
   void stage(int degree, int samples, int power, int iterations) {
     if (degree > blocks_.degree()) {
       blocks_ = blocks_.elevated(degree);
+      preconditioner_.reset();
     }
     EnergyTerms terms;
     terms.tables = equispaced_tables(blocks_.nodes_1d(), samples);
@@ -318,7 +314,7 @@ class Optimiser {
   const BlockProblem& problem_;
   BlockTopology topology_;
   PolynomialBlocks blocks_;
-  int iterations_ = 0;
+  std::optional<Preconditioner> preconditioner_;  ///< of the blocks' degree and target lengths, while they last
 };
 
 }  // namespace

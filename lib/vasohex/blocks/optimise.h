@@ -42,7 +42,6 @@ struct BlockSolution {
   std::vector<Vec3> nodes;   ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
   double min_jacobian = -1;  ///< least scaled Jacobian on an equispaced lattice of 9^3 points a block
   bool certified = false;    ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
-  int iterations = 0;
 
   bool is_better_than(const BlockSolution& other) const {
     return certified != other.certified ? certified : min_jacobian > other.min_jacobian;

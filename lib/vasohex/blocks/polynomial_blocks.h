@@ -216,22 +216,33 @@ class PolynomialBlocks {
     }
   }
 
-  /// Target lengths: the mean length of a block's control edges per direction.
-  void update_lengths() {
+  /// Calls f(block, direction, lattice point, node there, next node along the direction) for every lattice edge.
+  template <class F>
+  void for_lattice_edges(F&& f) const {
     const int n = degree_ + 1;
-    lengths_.assign(block_count(), {0, 0, 0});
-    inverse_lengths_.resize(3 * block_count());
-    mean_length_ = 0;
     const std::array<int, 3> stride{1, n, n * n};
     for (int b = 0; b < block_count(); ++b) {
       for (int at = 0; at < n * n * n; ++at) {
         const std::array<int, 3> ijk{at % n, at / n % n, at / n / n};
         for (int d = 0; d < 3; ++d) {
           if (ijk[d] < degree_) {
-            lengths_[b][d] += (x.row(id(b, at + stride[d])) - x.row(id(b, at))).norm() / (n * n);
+            f(b, d, ijk, id(b, at), id(b, at + stride[d]));
           }
         }
       }
+    }
+  }
+
+  /// Target lengths: the mean length of a block's control edges per direction.
+  void update_lengths() {
+    const int n = degree_ + 1;
+    lengths_.assign(block_count(), {0, 0, 0});
+    inverse_lengths_.resize(3 * block_count());
+    mean_length_ = 0;
+    for_lattice_edges([&](int b, int d, const std::array<int, 3>&, int from, int to) {
+      lengths_[b][d] += (x.row(to) - x.row(from)).norm() / (n * n);
+    });
+    for (int b = 0; b < block_count(); ++b) {
       for (int d = 0; d < 3; ++d) {
         mean_length_ += lengths_[b][d] / (3 * block_count());
         inverse_lengths_[3 * b + d] = 1 / lengths_[b][d];
@@ -291,21 +302,11 @@ class PolynomialBlocks {
   /// Laplace sweeps: every free or wall node halfway to the mean of its neighbours on the lattice (of wall nodes: on
   /// the wall and sections).
   void smooth(int sweeps) {
-    const int n = degree_ + 1;
     std::vector<std::vector<int>> neighbours(x.rows());
-    const std::array<int, 3> stride{1, n, n * n};
-    for (int b = 0; b < block_count(); ++b) {
-      for (int at = 0; at < n * n * n; ++at) {
-        const std::array<int, 3> ijk{at % n, at / n % n, at / n / n};
-        for (int d = 0; d < 3; ++d) {
-          if (ijk[d] < degree_) {
-            const int p = id(b, at), q = id(b, at + stride[d]);
-            neighbours[p].push_back(q);
-            neighbours[q].push_back(p);
-          }
-        }
-      }
-    }
+    for_lattice_edges([&](int, int, const std::array<int, 3>&, int from, int to) {
+      neighbours[from].push_back(to);
+      neighbours[to].push_back(from);
+    });
     for (auto& list : neighbours) {
       std::sort(list.begin(), list.end());
       list.erase(std::unique(list.begin(), list.end()), list.end());

@@ -19,7 +19,6 @@ struct Box {
     max = max.cwiseMax(p);
   }
   bool empty() const { return !(min.array() <= max.array()).all(); }
-  double diagonal() const { return empty() ? 0.0 : (max - min).norm(); }
 };
 
 }  // namespace vasohex
