@@ -25,7 +25,8 @@ struct BlockStructure {
     std::string prototype;    ///< `cube`, `tree of cubes`, or `cubes linked` in a cluster of junctions
     double min_jacobian = 0;  ///< least scaled Jacobian of the cluster's blocks
     bool certified = false;
-    int candidates = 0;  ///< assignments tried
+    int candidates = 0;      ///< assignments tried
+    double cpu_seconds = 0;  ///< processor time of the cluster, shared equally among its junctions
   };
   int degree = 0;
   int vertex_count = 0;

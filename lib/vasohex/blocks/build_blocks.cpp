@@ -171,7 +171,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
   const std::vector<Cluster> clusters = find_clusters(network, surface);
 
   const auto start = std::chrono::steady_clock::now();
-  std::vector<std::pair<ClusterResult, int>> solved(clusters.size());
+  std::vector<ClusterResult> solved(clusters.size());
   std::mutex progress;
   std::size_t done = 0;
   parallel_for(run, clusters.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -190,7 +190,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
   std::vector<std::array<std::optional<SectionVertices>, 2>> section(network.branches.size());
   std::vector<char> linked(network.branches.size(), 0);
   for (std::size_t c = 0; c < clusters.size(); ++c) {
-    const auto& [r, tried] = solved[c];
+    const ClusterResult& r = solved[c];
     const int base = assembly.new_vertices(static_cast<int>(r.blocks.problem.vertices.size()));
     const int first_block = static_cast<int>(out.blocks.size());
     for (std::size_t b = 0; b < r.blocks.problem.blocks.size(); ++b) {
@@ -229,7 +229,8 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
                                clusters[c].size() > 1 ? "cubes linked"
                                : r.cluster.size() > 1 ? "tree of cubes"
                                                       : "cube",
-                               r.solution.min_jacobian, r.solution.certified, tried});
+                               r.solution.min_jacobian, r.solution.certified, r.candidates,
+                               r.cpu_seconds / clusters[c].size()});
       for (const Arm& arm : hub.arms) {
         linked[arm.branch] |= arm.link >= 0;
       }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "vasohex/blocks/split_hub.h"
+#include "vasohex/core/cpu_time.h"
 #include "vasohex/core/error.h"
 
 namespace vasohex {
@@ -58,15 +59,18 @@ std::vector<Cluster> with_small_hubs(const Cluster& cluster) {
 
 }  // namespace
 
-std::pair<ClusterResult, int> solve_cluster(const ImplicitSurface& surface, const Cluster& cluster,
-                                            const BlockOptions& options) {
+ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options) {
+  const double start = thread_cpu_seconds();
   std::optional<ClusterResult> best;
   int tried = 0;
   const auto is_good = [&] {
     return best && best->solution.certified && best->solution.min_jacobian >= options.good_jacobian;
   };
   const auto attempt = [&](const Cluster& c, const std::vector<CubeAssignment>& assignments) {
-    ClusterResult r{c, assignments, cluster_blocks(surface, c, assignments), {}};
+    ClusterResult r;
+    r.cluster = c;
+    r.assignments = assignments;
+    r.blocks = cluster_blocks(surface, c, assignments);
     r.solution = optimise_blocks(r.blocks.problem);
     ++tried;
     if (!best || r.solution.is_better_than(best->solution)) {
@@ -111,7 +115,9 @@ std::pair<ClusterResult, int> solve_cluster(const ImplicitSurface& surface, cons
     done.resize(best->cluster.size(), 1);
     done[*hub] = 1;
   }
-  return {std::move(*best), tried};
+  best->candidates = tried;
+  best->cpu_seconds = thread_cpu_seconds() - start;
+  return std::move(*best);
 }
 
 }  // namespace vasohex

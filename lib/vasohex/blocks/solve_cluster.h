@@ -1,7 +1,6 @@
 #pragma once
 /// \file The search for good blocks of a cluster: assignments to cubes, trees of cubes.
 
-#include <utility>
 #include <vector>
 
 #include "vasohex/blocks/build_blocks.h"
@@ -16,11 +15,12 @@ struct ClusterResult {
   std::vector<CubeAssignment> assignments;  ///< [hubs]
   ClusterBlocks blocks;
   BlockSolution solution;
+  int candidates = 0;      ///< arrangements tried
+  double cpu_seconds = 0;  ///< processor time
 };
 
 /// One cube per junction; while that is weak, other assignments of the weakest junction's arms, or a tree of cubes
-/// there. Returns the best, and how many were tried. Deterministic.
-std::pair<ClusterResult, int> solve_cluster(const ImplicitSurface& surface, const Cluster& cluster,
-                                            const BlockOptions& options);
+/// there. Returns the best. Deterministic.
+ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options);
 
 }  // namespace vasohex
