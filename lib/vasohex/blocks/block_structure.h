@@ -8,6 +8,7 @@
 #include "vasohex/blocks/block_kinds.h"
 #include "vasohex/blocks/cross_section.h"
 #include "vasohex/core/vec3.h"
+#include "vasohex/surface/implicit_surface.h"
 
 namespace vasohex {
 
@@ -35,6 +36,8 @@ struct BlockStructure {
   std::vector<int> block_nodes;            ///< [blocks][(degree + 1)^3], i fastest
   std::vector<DirectionKinds> kinds;       ///< [blocks]
   std::vector<int> places;                 ///< [blocks] branch of the network, or -1 - node for a junction's blocks
+  std::vector<std::vector<Stretch>> regions;  ///< of the network: their surface is what walls of blocks follow
+  std::vector<int> block_region;              ///< [blocks]
   std::vector<BoundaryFace> boundary;      ///< every face of one block, once
   std::vector<std::string> surfaces;       ///< `wall`, inlets, outlets
   std::vector<SectionFrame> ends;          ///< of surfaces[1 + i], normal outward

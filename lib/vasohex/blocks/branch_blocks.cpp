@@ -100,15 +100,22 @@ std::vector<double> stations(const Branch& branch, double s0, double s1, double 
 }
 
 void fill_nodes(const ImplicitSurface& surface, BranchPiece& piece) {
+  const auto around = [&](int layer) {
+    return surface.part({{piece.branch, piece.stations[layer], piece.stations[layer + 1]}});
+  };
   const std::vector<double> gauss = family_nodes(NodeFamily::gauss_lobatto, kBlockDegree);
   const int layers = static_cast<int>(piece.stations.size()) - 1;
   // section by section: the last of a layer is the first of the next
   std::vector<std::vector<Vec3>> sections(piece.frames.size(), std::vector<Vec3>(5 * kLine * kLine));
+  std::shared_ptr<const ImplicitSurface> part = around(0);
   for (std::size_t s = 0; s < piece.frames.size(); ++s) {
+    if (s > 0 && (s - 1) % kBlockDegree == 0) {
+      part = around(static_cast<int>(s - 1) / kBlockDegree);
+    }
     for (int quad = 0; quad < 5; ++quad) {
       for (int at = 0; at < kLine * kLine; ++at) {
         sections[s][quad * kLine * kLine + at] =
-            place_section_point(surface, piece.frames[s], quad, gauss[at % kLine], gauss[at / kLine]);
+            place_section_point(*part, piece.frames[s], quad, gauss[at % kLine], gauss[at / kLine]);
       }
     }
   }
@@ -179,8 +186,10 @@ void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, 
       ++last;
     }
     const int from = std::max(0, first - 1), to = std::min(layers - 1, last + 1);
+    const std::shared_ptr<const ImplicitSurface> part =
+        surface.part({{piece.branch, piece.stations[from], piece.stations[to + 1]}});
     BlockProblem problem;
-    problem.surface = &surface;
+    problem.surface = part.get();
     BlockProblem::Aim aim;
     for (int i = 0; i <= 24 * (to - from + 1); ++i) {
       const double s0 = piece.stations[from], s1 = piece.stations[to + 1];
@@ -193,9 +202,9 @@ void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, 
       std::array<int, 4> in1{}, out1{};
       for (int j = 0; j < 4; ++j) {
         in1[j] = static_cast<int>(problem.vertices.size());
-        problem.vertices.push_back(place_section_point(surface, frame, 1 + j, 0, 0));
+        problem.vertices.push_back(place_section_point(*part, frame, 1 + j, 0, 0));
         out1[j] = static_cast<int>(problem.vertices.size());
-        problem.vertices.push_back(place_section_point(surface, frame, 1 + j, 1, 0));
+        problem.vertices.push_back(place_section_point(*part, frame, 1 + j, 1, 0));
       }
       if (layer > from) {
         const auto add = [&](const std::array<int, 4>& low, const std::array<int, 4>& high) {

@@ -60,8 +60,11 @@ class Assembly {
     out_.vertex_count += count;
     return out_.vertex_count - count;
   }
+  /// The blocks to come follow the surface of these stretches.
+  void begin_region(const std::vector<Stretch>& stretches) { out_.regions.push_back(stretches); }
   int add_block(const std::array<int, 8>& vertices, const DirectionKinds& kinds, int place, const Vec3* nodes) {
     out_.blocks.push_back(vertices);
+    out_.block_region.push_back(static_cast<int>(out_.regions.size()) - 1);
     out_.kinds.push_back(kinds);
     out_.places.push_back(place);
     lattices_.insert(lattices_.end(), nodes, nodes + kBlockNodes);
@@ -176,7 +179,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
   std::size_t done = 0;
   parallel_for(run, clusters.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      solved[c] = solve_cluster(surface, clusters[c], options);
+      solved[c] = solve_cluster(*surface.part(stretches_of(network, clusters[c])), clusters[c], options);
       const std::lock_guard lock(progress);
       run.progress("junctions", static_cast<double>(++done) / clusters.size());
     }
@@ -193,6 +196,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
     const ClusterResult& r = solved[c];
     const int base = assembly.new_vertices(static_cast<int>(r.blocks.problem.vertices.size()));
     const int first_block = static_cast<int>(out.blocks.size());
+    assembly.begin_region(stretches_of(network, clusters[c]));
     for (std::size_t b = 0; b < r.blocks.problem.blocks.size(); ++b) {
       std::array<int, 8> vertices = r.blocks.problem.blocks[b];
       for (int& v : vertices) {
@@ -290,6 +294,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
       } else {
         high = new_section();
       }
+      assembly.begin_region({{piece.branch, piece.stations[layer], piece.stations[layer + 1]}});
       for (int quad = 0; quad < 5; ++quad) {
         const auto ring = [&](const SectionVertices& s) -> std::array<int, 4> {
           if (quad == 0) {

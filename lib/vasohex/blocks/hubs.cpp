@@ -69,6 +69,17 @@ std::vector<double> cap_distances(const Network& network, int node) {
   return cap_distances_of(network, branch_ends(network)[node]);
 }
 
+std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster) {
+  std::vector<Stretch> stretches;
+  for (const Hub& hub : cluster) {
+    for (const Arm& arm : hub.arms) {
+      const double length = network.branches[arm.branch].length();
+      stretches.push_back({arm.branch, arm.end == 0 ? 0.0 : length - arm.cap, arm.end == 0 ? arm.cap : length});
+    }
+  }
+  return stretches;
+}
+
 std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface) {
   const auto ends = branch_ends(network);
   std::vector<int> hub_of_node(network.nodes.size(), -1);
@@ -89,12 +100,19 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       arm.branch = ends[n][a].branch;
       arm.end = ends[n][a].end;
       const Branch& branch = network.branches[arm.branch];
+      arm.cap = std::min(distance[a], branch.length());
+      hub.arms.push_back(arm);
+    }
+    const std::shared_ptr<const ImplicitSurface> around = surface.part(stretches_of(network, {hub}));
+    for (std::size_t a = 0; a < ends[n].size(); ++a) {
+      Arm& arm = hub.arms[a];
+      const Branch& branch = network.branches[arm.branch];
       const bool leads_to_end = network.nodes[branch.nodes[1 - arm.end]].degree == 1;
       arm.cap = distance[a];
       // the formula knows straight tubes only: move on until the surface is a tube
       for (int step = 0; step < 12 && arm.cap < branch.length(); ++step) {
         const AxisPoint p = from_end(branch, arm.end, arm.cap);
-        if (is_tube(surface, p)) {
+        if (is_tube(*around, p)) {
           break;
         }
         arm.cap += 0.25 * p.radius;
@@ -103,7 +121,6 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
         arm.cap = branch.length();  // the cap is the end itself
       }
       cap[arm.branch][arm.end] = arm.cap;
-      hub.arms.push_back(arm);
     }
     hubs.push_back(hub);
   }

@@ -16,6 +16,9 @@ using Cluster = std::vector<Hub>;
 /// tube again; branches too short for two caps become links.
 std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface);
 
+/// The stretches of the network that the cluster's blocks take up.
+std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster);
+
 /// Distance along each branch end at `node` at which the other branches leave room for a cap, by cap_distance.
 /// [branch ends at the node], in the order of branch_ends().
 std::vector<double> cap_distances(const Network& network, int node);

@@ -216,6 +216,13 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
   mesh.element_block.resize(first_element.back());
   mesh.element_branch.resize(first_element.back());
 
+  std::vector<std::shared_ptr<const ImplicitSurface>> surfaces(blocks.regions.size());
+  parallel_for(run, surfaces.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t r = begin; r < end; ++r) {
+      surfaces[r] = surface.part(blocks.regions[r]);
+    }
+  });
+
   struct Count {
     double residual = 0;
     int unconverged = 0, shrunk = 0;
@@ -228,6 +235,7 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
     std::vector<Vec3> half, lines;
     for (std::size_t b = begin; b < end; ++b) {
       const int block = static_cast<int>(b);
+      const ImplicitSurface& around = *surfaces[blocks.block_region[b]];
       numbering.block_nodes(block, ids);
       const auto c = numbering.intervals(block);
       const std::array<int, 3> size{c[0] + 1, c[1] + 1, c[2] + 1};
@@ -273,7 +281,7 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
       double radius = 0;
       if (wall >= 0) {
         const std::size_t middle = static_cast<std::size_t>(size[d2] / 2) * size[d1] + size[d1] / 2;
-        radius = surface.radius(lines[middle * n + (wall_at_end ? n - 1 : 0)]);
+        radius = around.radius(lines[middle * n + (wall_at_end ? n - 1 : 0)]);
       }
       constexpr std::array<int, 3> place{1, 3, 9};
       const auto side = [](int i, int last) { return i == 0 ? 0 : i == last ? 2 : 1; };
@@ -295,7 +303,7 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             }
             const Vec3 start = line[wall_at_end ? n - 1 : 0];
             const Vec3 plane = end_here > 0 ? blocks.ends[end_here - 1].normal() : Vec3::Zero();
-            const WallNode w = to_wall(surface, start, end_here > 0 ? &plane : nullptr, radius);
+            const WallNode w = to_wall(around, start, end_here > 0 ? &plane : nullptr, radius);
             counts[b].residual = std::max(counts[b].residual, w.residual);
             if (w.converged) {
               shift = w.point - start;
@@ -317,7 +325,7 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
               tangent += line_slopes[(wall_at_end ? 2 * LineLength::kPieces : 0) * n + i] * line[i];
             }
             const double upright = std::max(0.5, std::abs(tangent.normalized().dot(normal)));
-            const double height = layers.first_height * (layers.relative ? surface.radius(wall_point) : 1.0);
+            const double height = layers.first_height * (layers.relative ? around.radius(wall_point) : 1.0);
             bool shrunk = false;
             const std::vector<double> from_wall =
                 divide_wall_line(layers, height / upright, sheet[d]->count, length.total(), shrunk);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 namespace vasohex {
 namespace {
@@ -146,6 +147,30 @@ bool Blending::are_siblings(int joint, int piece, int other) const {
   return std::abs(piece - other) != 1 || nodes_of[std::min(piece, other)][1] >= 0;
 }
 
+std::vector<int> Blending::pieces_around(const std::vector<Stretch>& stretches) const {
+  std::set<int> around;
+  for (const Stretch& stretch : stretches) {
+    for (int k = 0; k <= static_cast<int>(cuts[stretch.branch].size()); ++k) {
+      const int piece = first_piece[stretch.branch] + k;
+      if (arcs[piece][0] > stretch.to || arcs[piece][1] < stretch.from) {
+        continue;
+      }
+      around.insert(piece);
+      for (int side = 0; side < 2; ++side) {
+        const int joint = joints_at[piece][side], node = nodes_of[piece][side];
+        if (joint >= 0) {
+          const double inner = node >= 0 ? node_balls[node].inner : joints[joint].front().inner;
+          const double at = arcs[piece][side];
+          if (at > stretch.from - inner && at < stretch.to + inner) {
+            around.insert(pieces_of[joint].begin(), pieces_of[joint].end());
+          }
+        }
+      }
+    }
+  }
+  return {around.begin(), around.end()};
+}
+
 Blending make_blending(const Network& network) {
   const int nodes = static_cast<int>(network.nodes.size());
   const int branches = static_cast<int>(network.branches.size());
@@ -166,9 +191,17 @@ Blending make_blending(const Network& network) {
   }
   blending.joints_of.resize(pieces);
   blending.nodes_of.assign(pieces, {-1, -1});
+  blending.joints_at.assign(pieces, {-1, -1});
+  blending.arcs.resize(pieces);
   for (int b = 0; b < branches; ++b) {
-    blending.nodes_of[blending.first_piece[b]][0] = network.branches[b].nodes[0];
-    blending.nodes_of[blending.first_piece[b] + blending.cuts[b].size()][1] = network.branches[b].nodes[1];
+    const std::vector<double>& cuts = blending.cuts[b];
+    const int first = blending.first_piece[b];
+    blending.nodes_of[first][0] = network.branches[b].nodes[0];
+    blending.nodes_of[first + cuts.size()][1] = network.branches[b].nodes[1];
+    for (std::size_t k = 0; k <= cuts.size(); ++k) {
+      blending.arcs[first + k] = {k == 0 ? 0.0 : cuts[k - 1],
+                                  k == cuts.size() ? network.branches[b].length() : cuts[k]};
+    }
   }
 
   // Nodes whose balls meet along a branch form one joint.
@@ -199,7 +232,8 @@ Blending make_blending(const Network& network) {
       blending.joints[joint_of_node[node]].push_back(blending.node_balls[node]);
     }
   }
-  const auto join = [&](int piece, int joint) {
+  const auto join = [&](int piece, int side, int joint) {
+    blending.joints_at[piece][side] = joint;
     std::vector<int>& of_piece = blending.joints_of[piece];
     if (std::find(of_piece.begin(), of_piece.end(), joint) == of_piece.end()) {
       of_piece.push_back(joint);
@@ -209,20 +243,24 @@ Blending make_blending(const Network& network) {
     const std::array<int, 2>& at = network.branches[b].nodes;
     const int first = blending.first_piece[b], last = first + static_cast<int>(blending.cuts[b].size());
     if (joint_of_node[at[0]] >= 0) {
-      join(first, joint_of_node[at[0]]);
+      join(first, 0, joint_of_node[at[0]]);
     }
     if (joint_of_node[at[1]] >= 0) {
-      join(last, joint_of_node[at[1]]);
+      join(last, 1, joint_of_node[at[1]]);
     }
     for (int cut = 0; cut < last - first; ++cut) {
       const int joint = static_cast<int>(blending.joints.size());
       blending.joints.push_back({cut_ball(network.branches[b], blending.cuts[b][cut])});
-      join(first + cut, joint);
-      join(first + cut + 1, joint);
+      join(first + cut, 1, joint);
+      join(first + cut + 1, 0, joint);
     }
   }
-  for (std::vector<int>& joints : blending.joints_of) {
-    std::sort(joints.begin(), joints.end());
+  blending.pieces_of.resize(blending.joints.size());
+  for (int piece = 0; piece < pieces; ++piece) {
+    std::sort(blending.joints_of[piece].begin(), blending.joints_of[piece].end());
+    for (const int joint : blending.joints_of[piece]) {
+      blending.pieces_of[joint].push_back(piece);
+    }
   }
   return blending;
 }

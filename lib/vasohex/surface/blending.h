@@ -16,6 +16,7 @@
 
 #include "vasohex/core/vec3.h"
 #include "vasohex/skeleton/network.h"
+#include "vasohex/surface/implicit_surface.h"
 
 namespace vasohex {
 
@@ -37,10 +38,17 @@ struct Blending {
   std::vector<int> first_piece;           ///< [branch]: its pieces are first_piece + 0 ... cuts.size(), in order
   std::vector<std::vector<BlendBall>> joints;  ///< [joint]: the balls around its nodes
   std::vector<std::vector<int>> joints_of;     ///< [piece]: the joints it belongs to, ascending
+  std::vector<std::vector<int>> pieces_of;     ///< [joint]: its pieces, ascending
   std::vector<std::array<int, 2>> nodes_of;    ///< [piece]: nodes of the network where it starts and ends; -1: a cut
+  std::vector<std::array<double, 2>> arcs;     ///< [piece]: arc lengths of its branch where it starts and ends
+  std::vector<std::array<int, 2>> joints_at;   ///< [piece]: joints at its start and end, or -1
 
   /// Whether both pieces lie in the joint and meet at no node, nor at a cut.
   bool are_siblings(int joint, int piece, int other) const;
+
+  /// The pieces that make the surface around the stretches, ascending: those that they run along, and all of a joint
+  /// whose inner ball they reach.
+  std::vector<int> pieces_around(const std::vector<Stretch>& stretches) const;
 
   /// 1 - product over the balls of a joint of (1 - weight).
   BlendWeight weight(int joint, const Vec3& x) const;

@@ -76,7 +76,17 @@ constexpr double no_field = 1e-100;
 class ConvolutionSurface final : public ImplicitSurface {
  public:
   ConvolutionSurface(std::vector<ConeSegment> segments, std::shared_ptr<const Blending> blending)
-      : tree_(std::move(segments)), blending_(std::move(blending)) {}
+      : segments_(std::move(segments)), tree_(segments_), blending_(std::move(blending)) {
+    std::stable_sort(segments_.begin(), segments_.end(),
+                     [](const ConeSegment& a, const ConeSegment& b) { return a.piece < b.piece; });
+    std::size_t first = 0;
+    for (int piece = 0; piece <= static_cast<int>(blending_->arcs.size()); ++piece) {
+      while (first < segments_.size() && segments_[first].piece < piece) {
+        ++first;
+      }
+      first_of_piece_.push_back(static_cast<std::ptrdiff_t>(first));
+    }
+  }
 
   double value(const Vec3& x) const override { return evaluate<false>(x, nullptr); }
   double value(const Vec3& x, Vec3& gradient) const override { return evaluate<true>(x, &gradient); }
@@ -90,6 +100,15 @@ class ConvolutionSurface final : public ImplicitSurface {
       }
     });
     return field > no_field ? weighted / field : tree_.nearest(x).radius;
+  }
+
+  std::shared_ptr<const ImplicitSurface> part(const std::vector<Stretch>& stretches) const override {
+    std::vector<ConeSegment> segments;
+    for (const int piece : blending_->pieces_around(stretches)) {
+      segments.insert(segments.end(), segments_.begin() + first_of_piece_[piece],
+                      segments_.begin() + first_of_piece_[piece + 1]);
+    }
+    return std::make_shared<ConvolutionSurface>(std::move(segments), blending_);
   }
 
   /// The level of `piece` and what blends with it, as if there were no other vessels. Beyond its reach the level
@@ -227,6 +246,8 @@ class ConvolutionSurface final : public ImplicitSurface {
     return nearest.ratio - 1;
   }
 
+  std::vector<ConeSegment> segments_;           ///< ascending by piece
+  std::vector<std::ptrdiff_t> first_of_piece_;  ///< [pieces + 1]
   ConeTree tree_;
   std::shared_ptr<const Blending> blending_;
 };
