@@ -43,6 +43,108 @@ bool is_tube(const ImplicitSurface& surface, const AxisPoint& p) {
   return true;
 }
 
+/// How a branch leaves a cube: a way that is its own, from the centre to arc length `start` of the branch.
+struct Departure {
+  ArmAxis way;
+  double start = 0;
+};
+
+/// The pieces of the branch end's axis between arc lengths `from` and `to`.
+ArmAxis sample(const Branch& branch, int end, double from, double to) {
+  ArmAxis axis;
+  double s = from;
+  while (true) {
+    const AxisPoint p = from_end(branch, end, s);
+    axis.points.push_back(p.position);
+    axis.radii.push_back(p.radius);
+    if (s >= to) {
+      return axis;
+    }
+    const double step = 0.2 * p.radius;
+    s = to - s < 1.5 * step ? to : s + step;
+  }
+}
+
+/// Ways from the hub's centre into its arms. Where two of three branches run side by side beyond the node the centre
+/// moves on to a radius before they part, and the third branch reaches it on the middle line between them: a cube at
+/// the node would have to stretch as far.
+std::vector<Departure> depart(const Network& network, Hub& hub) {
+  std::vector<Departure> departures(hub.arms.size());
+  for (std::size_t a = 0; a < hub.arms.size(); ++a) {
+    const AxisPoint p = from_end(network.branches[hub.arms[a].branch], hub.arms[a].end, 0);
+    departures[a] = {{{hub.centre}, {p.radius}}, 0};
+  }
+  if (hub.arms.size() != 3) {
+    return departures;
+  }
+  std::array<ArmAxis, 3> axes;
+  for (int a = 0; a < 3; ++a) {
+    const Arm& arm = hub.arms[a];
+    axes[a] = sample(network.branches[arm.branch], arm.end, 0, arm.link >= 0 ? 0.4 * arm.cap : arm.cap);
+  }
+  int third = 0;
+  std::array<double, 3> parting{};  // of the two others
+  for (int a = 0; a < 3; ++a) {
+    parting[a] = parting_length(axes[(a + 1) % 3], axes[(a + 2) % 3]);
+    third = parting[a] > parting[third] ? a : third;
+  }
+  const int i = (third + 1) % 3, j = (third + 2) % 3;
+  const double at = std::max(arm_point(axes[i], parting[third]).radius, arm_point(axes[j], parting[third]).radius);
+  const double move = parting[third] - at;
+  // all three side by side: there is no middle line to come back on
+  if (move < 0.5 * at || std::max(parting[i], parting[j]) > 0.6 * parting[third]) {
+    return departures;
+  }
+  const auto middle = [&](double s) -> ArmPoint {
+    const ArmPoint p = arm_point(axes[i], s), q = arm_point(axes[j], s);
+    const double sum = p.radius + q.radius;
+    return {(p.radius * p.position + q.radius * q.position) / sum, std::max(p.radius, q.radius)};
+  };
+  ArmAxis back;
+  for (double s = move; s > 0.1 * at; s -= 0.2 * at) {
+    back.points.push_back(middle(s).position);
+    back.radii.push_back(middle(s).radius);
+  }
+  back.points.push_back(hub.centre);
+  back.radii.push_back(departures[third].way.radii.front());
+  departures[third] = {back, 0};
+  hub.centre = middle(move).position;
+  for (const int a : {i, j}) {
+    departures[a] = {{{hub.centre}, {arm_point(axes[a], move).radius}}, move + 0.3 * at};
+  }
+  return departures;
+}
+
+void append(ArmAxis& axis, const ArmAxis& more) {
+  for (std::size_t i = 0; i < more.points.size(); ++i) {
+    if (axis.points.empty() || (more.points[i] - axis.points.back()).norm() > 0.02 * more.radii[i]) {
+      axis.points.push_back(more.points[i]);
+      axis.radii.push_back(more.radii[i]);
+    }
+  }
+}
+
+/// The axis of an arm: departure, branch and, of a link, the other hub's departure backwards.
+ArmAxis axis_between(const Branch& branch, int end, double cap, const std::array<Departure, 2>& departures,
+                     bool is_link) {
+  const Departure &here = departures[end], &there = departures[1 - end];
+  ArmAxis axis = here.way;
+  const double last = is_link ? cap - there.start : cap;
+  if (last > here.start) {
+    append(axis, sample(branch, end, here.start, last));
+  }
+  if (is_link) {
+    ArmAxis back = there.way;
+    std::reverse(back.points.begin(), back.points.end());
+    std::reverse(back.radii.begin(), back.radii.end());
+    append(axis, back);
+  }
+  if (axis.points.size() < 2) {
+    append(axis, sample(branch, end, cap, cap));
+  }
+  return axis;
+}
+
 std::vector<double> cap_distances_of(const Network& network, const std::vector<BranchEnd>& ends) {
   std::vector<double> distance(ends.size());
   std::vector<Vec3> directions(ends.size());
@@ -164,13 +266,21 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
         arm.cap *= (length - 0.3 * middle_radius) / both;  // a tight loop
       }
       const AxisPoint p = from_end(branch, arm.end, arm.cap);
-      arm.direction = (p.position - hub.centre).normalized();
       arm.radius = arm.link >= 0 ? middle_radius : p.radius;
       arm.section = frame_at(p);
-      constexpr int kPieces = 24;
-      for (int i = 0; i <= kPieces; ++i) {
-        arm.axis.push_back(from_end(branch, arm.end, arm.cap * i / kPieces).position);
-      }
+    }
+  }
+  std::vector<std::array<Departure, 2>> departures(network.branches.size());
+  for (Hub& hub : hubs) {
+    const std::vector<Departure> of_arms = depart(network, hub);
+    for (std::size_t a = 0; a < hub.arms.size(); ++a) {
+      departures[hub.arms[a].branch][hub.arms[a].end] = of_arms[a];
+    }
+  }
+  for (Hub& hub : hubs) {
+    for (Arm& arm : hub.arms) {
+      arm.axis = axis_between(network.branches[arm.branch], arm.end, arm.cap, departures[arm.branch], arm.link >= 0);
+      arm.direction = direction_of(arm);
     }
   }
   std::map<int, std::vector<int>> members;

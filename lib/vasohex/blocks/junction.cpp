@@ -153,10 +153,10 @@ Cube place_cube(Builder& builder, const std::vector<Hub>& hubs, int h, const Cub
   return cube;
 }
 
-/// Turn of the arm's section that brings its corners nearest to those of the cube's face.
-SectionFrame turned_to_cube(const Builder& builder, const Hub& hub, const Arm& arm, const std::array<int, 4>& ring,
-                            const Cube& cube) {
-  const Vec3& d = arm.direction;
+/// Angle about the arm's axis, at its start, that turns the corners of a section in `frame` nearest to those of the
+/// cube's face.
+double turn_to_cube(const Builder& builder, const Hub& hub, const SectionFrame& frame, const std::array<int, 4>& ring,
+                    const Cube& cube) {
   Vec3 middle = Vec3::Zero();
   for (const int c : ring) {
     middle += 0.25 * builder.out.problem.vertices[cube.outer[c]];
@@ -164,16 +164,58 @@ SectionFrame turned_to_cube(const Builder& builder, const Hub& hub, const Arm& a
   // of a lone cube the corners are seen from its centre, of a linked one, which may lie beside it, from their middle
   const bool linked = std::any_of(hub.arms.begin(), hub.arms.end(), [](const Arm& a) { return a.link >= 0; });
   const Vec3 from = linked ? middle : hub.centre;
-  const Eigen::Quaterniond to_cap = Eigen::Quaterniond::FromTwoVectors(d, arm.section.normal());
   double c_sum = 0, s_sum = 0;
   for (int j = 0; j < 4; ++j) {
-    Vec3 t = builder.out.problem.vertices[cube.outer[ring[j]]] - from;
-    t = to_cap * Vec3(t - d * d.dot(t));
-    const double angle = std::atan2(t.dot(arm.section.y), t.dot(arm.section.x)) - (2 * j + 1) * std::numbers::pi / 4;
+    const Vec3 t = builder.out.problem.vertices[cube.outer[ring[j]]] - from;
+    const double angle = std::atan2(t.dot(frame.y), t.dot(frame.x)) - (2 * j + 1) * std::numbers::pi / 4;
     c_sum += std::cos(angle);
     s_sum += std::sin(angle);
   }
-  return turned(arm.section, std::atan2(s_sum, c_sum));
+  return std::atan2(s_sum, c_sum);
+}
+
+/// The corners of an O-grid, as vertices.
+struct SectionCorners {
+  std::array<int, 4> inner{}, outer{};
+};
+
+SectionCorners place_corners(Builder& builder, const SectionFrame& frame) {
+  SectionCorners corners;
+  for (int j = 0; j < 4; ++j) {
+    corners.inner[j] = builder.vertex(place_section_point(builder.surface, frame, 1 + j, 0, 0));
+    corners.outer[j] = builder.vertex(place_section_point(builder.surface, frame, 1 + j, 1, 0));
+  }
+  return corners;
+}
+
+/// Layers of five blocks from the corners `low` at the start of the axis to `high` at its end. Between, the corners
+/// go over from ones to the others as seen from the frames, which turn evenly by `turn` to the first and `turn_end` to
+/// the last. Returns the number of the last layer's core block.
+int add_layers(Builder& builder, const std::vector<SectionFrame>& frames, double turn, double turn_end,
+               const std::vector<int>& places, SectionCorners low, const SectionCorners& high, int aim, int hub) {
+  const auto& vertices = builder.out.problem.vertices;
+  const auto seen_from = [&](const SectionFrame& frame, int vertex) {
+    const Vec3 d = vertices[vertex] - frame.origin;
+    return Vec3(frame.x.dot(d), frame.y.dot(d), frame.normal().dot(d));
+  };
+  const SectionFrame start = turned(frames.front(), turn), end = turned(frames.back(), turn_end);
+  const SectionCorners first = low;
+  for (const int place : places) {
+    const double part = static_cast<double>(place) / static_cast<double>(frames.size() - 1);
+    const SectionFrame here = turned(frames[place], (1 - part) * turn + part * turn_end);
+    const auto between = [&](int a, int b) {
+      const Vec3 p = (1 - part) * seen_from(start, a) + part * seen_from(end, b);
+      return builder.vertex(here.origin + p.x() * here.x + p.y() * here.y);
+    };
+    SectionCorners next;
+    for (int j = 0; j < 4; ++j) {
+      next.inner[j] = between(first.inner[j], high.inner[j]);
+      next.outer[j] = between(first.outer[j], high.outer[j]);
+    }
+    builder.o_grid(low.inner, low.outer, next.inner, next.outer, aim, hub);
+    low = next;
+  }
+  return builder.o_grid(low.inner, low.outer, high.inner, high.outer, aim, hub);
 }
 
 void add_cap(Builder& builder, const std::vector<Hub>& hubs, int h, int a, const Cube& cube, int face, int aim) {
@@ -182,15 +224,20 @@ void add_cap(Builder& builder, const std::vector<Hub>& hubs, int h, int a, const
   ClusterBlocks::Cap cap;
   cap.hub = h;
   cap.arm = a;
-  cap.frame = turned_to_cube(builder, hubs[h], arm, ring, cube);
-  std::array<int, 4> low_in{}, low_out{};
+  const std::vector<SectionFrame> frames = transported_frames(arm.axis);
+  const double turn = turn_to_cube(builder, hubs[h], frames.front(), ring, cube);
+  // the cap's own plane, with the frame that arrives there
+  const Vec3 arrived = turned(frames.back(), turn).x;
+  cap.frame = turned(arm.section, std::atan2(arrived.dot(arm.section.y), arrived.dot(arm.section.x)));
+  SectionCorners low;
   for (int j = 0; j < 4; ++j) {
-    low_in[j] = cube.inner[ring[j]];
-    low_out[j] = cube.outer[ring[j]];
-    cap.inner[j] = builder.vertex(place_section_point(builder.surface, cap.frame, 1 + j, 0, 0));
-    cap.outer[j] = builder.vertex(place_section_point(builder.surface, cap.frame, 1 + j, 1, 0));
+    low.inner[j] = cube.inner[ring[j]];
+    low.outer[j] = cube.outer[ring[j]];
   }
-  const int core = builder.o_grid(low_in, low_out, cap.inner, cap.outer, aim, h);
+  const SectionCorners high = place_corners(builder, cap.frame);
+  cap.inner = high.inner;
+  cap.outer = high.outer;
+  const int core = add_layers(builder, frames, turn, turn, layer_places(arm.axis, false), low, high, aim, h);
   for (int q = 0; q < 5; ++q) {
     cap.blocks[q] = core + q;
     builder.out.problem.sections.push_back({core + q, 5, q, cap.frame});
@@ -199,50 +246,35 @@ void add_cap(Builder& builder, const std::vector<Hub>& hubs, int h, int a, const
 }
 
 /// Joins face `fa` of cube A to face `fb` of cube B along a link by 5 blocks per layer, at the best of 4 offsets.
-void add_link(Builder& builder, const Arm& arm, int hub, const Cube& a, int fa, const Cube& b, int fb, int aim) {
+void add_link(Builder& builder, const std::vector<Hub>& hubs, const Arm& arm, int hub, const Cube& a, int fa,
+              const Cube& b, int fb, int aim) {
   const auto ring_a = face_ring(fa), ring_b = face_ring(fb);
-  const auto& vertices = builder.out.problem.vertices;
+  const std::vector<SectionFrame> frames = transported_frames(arm.axis);
+  const double turn_a = turn_to_cube(builder, hubs[hub], frames.front(), ring_a, a);
   // seen along the link B's ring runs backwards
-  const auto partner = [&](int j, int offset) { return ring_b[(offset - j + 8) % 4]; };
-  int best = 0;
-  double least = 0;
-  for (int offset = 0; offset < 4; ++offset) {
-    double sum = 0;
-    for (int j = 0; j < 4; ++j) {
-      sum += (vertices[a.outer[ring_a[j]]] - vertices[b.outer[partner(j, offset)]]).squaredNorm();
-    }
-    if (offset == 0 || sum < least * (1 - 1e-9)) {
-      least = sum;
-      best = offset;
-    }
-  }
-  std::array<int, 4> in0{}, out0{}, in_end{}, out_end{};
+  const std::array<int, 4> backwards{ring_b[0], ring_b[3], ring_b[2], ring_b[1]};
+  const double turn_b = turn_to_cube(builder, hubs[arm.link], frames.back(), backwards, b);
+  constexpr double kQuarter = std::numbers::pi / 2;
+  // ties (45 degrees exactly) must not be decided by rounding
+  const int offset = static_cast<int>(std::floor((turn_a - turn_b) / kQuarter + 0.5 + 1e-6));
+  const double twist = turn_b + offset * kQuarter - turn_a;
+  SectionCorners low, end;
   for (int j = 0; j < 4; ++j) {
-    in0[j] = a.inner[ring_a[j]];
-    out0[j] = a.outer[ring_a[j]];
-    in_end[j] = b.inner[partner(j, best)];
-    out_end[j] = b.outer[partner(j, best)];
+    const int partner = backwards[((j + offset) % 4 + 4) % 4];
+    low.inner[j] = a.inner[ring_a[j]];
+    low.outer[j] = a.outer[ring_a[j]];
+    end.inner[j] = b.inner[partner];
+    end.outer[j] = b.outer[partner];
   }
-  // as many layers as the gap between the cubes is long
-  const double gap = std::sqrt(least / 4);
-  const int layers = std::clamp(static_cast<int>(std::lround(gap / (1.8 * arm.radius))), 1, 4);
-  for (int layer = 1; layer <= layers; ++layer) {
-    std::array<int, 4> in1 = in_end, out1 = out_end;
-    if (layer < layers) {
-      const double t = static_cast<double>(layer) / layers;
-      for (int j = 0; j < 4; ++j) {
-        const auto between = [&](int p, int q) { return Vec3((1 - t) * vertices[p] + t * vertices[q]); };
-        in1[j] = builder.vertex(between(a.inner[ring_a[j]], in_end[j]));
-        out1[j] = builder.vertex(between(a.outer[ring_a[j]], out_end[j]));
-      }
-    }
-    builder.o_grid(in0, out0, in1, out1, aim, hub);
-    in0 = in1;
-    out0 = out1;
-  }
+  add_layers(builder, frames, turn_a, turn_a + twist, layer_places(arm.axis, true), low, end, aim, hub);
 }
 
 }  // namespace
+
+Vec3 direction_of(const Arm& arm) {
+  const Vec3 away = arm_point(arm.axis, 2.5 * arm.radius).position - arm.axis.points.front();
+  return away.norm() > 0 ? Vec3(away.normalized()) : arm.section.normal();
+}
 
 double cap_distance(const std::vector<Vec3>& directions, const std::vector<double>& radii, int i) {
   const double least = *std::min_element(radii.begin(), radii.end());
@@ -356,15 +388,15 @@ ClusterBlocks cluster_blocks(const ImplicitSurface& surface, const std::vector<H
       }
       const Arm& arm = hubs[h].arms[a];
       if (arm.link < 0) {
-        aims.push_back({arm.axis, hubs[h].centre});
+        aims.push_back({arm.axis.points, hubs[h].centre});
         add_cap(builder, hubs, h, a, cube, f, static_cast<int>(aims.size()) - 1);
       } else if (arm.end == 0) {  // each link once, from the hub where its branch starts
         const auto& others = hubs[arm.link].arms;
         const auto back = std::find_if(others.begin(), others.end(),
                                        [&](const Arm& o) { return o.branch == arm.branch && o.end == 1; });
         const int face = assignments[arm.link].face[back - others.begin()];
-        aims.push_back({arm.axis, 0.5 * (hubs[h].centre + hubs[arm.link].centre)});
-        add_link(builder, arm, h, cube, f, cubes[arm.link], face, static_cast<int>(aims.size()) - 1);
+        aims.push_back({arm.axis.points, 0.5 * (hubs[h].centre + hubs[arm.link].centre)});
+        add_link(builder, hubs, arm, h, cube, f, cubes[arm.link], face, static_cast<int>(aims.size()) - 1);
       }
     }
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "vasohex/blocks/arm_axis.h"
 #include "vasohex/blocks/block_kinds.h"
 #include "vasohex/blocks/optimise.h"
 #include "vasohex/skeleton/network.h"
@@ -20,18 +21,21 @@ struct Arm {
   int end = 0;                     ///< 0: the branch starts at the hub, 1: it ends there
   int link = -1;                   ///< hub of the same cluster at the other end, or -1
   double cap = 0;                  ///< arc length from the hub to the cap; of a link: the branch's length
-  Vec3 direction = Vec3::UnitX();  ///< unit, from the hub to the cap or to the other hub
+  Vec3 direction = Vec3::UnitX();  ///< unit, from the hub along the axis
   double radius = 1;               ///< of the branch at the cap
-  std::vector<Vec3> axis;          ///< polyline from the hub to the cap
+  ArmAxis axis;                    ///< from the hub to the cap, or to the other hub
   SectionFrame section;            ///< at the cap, normal away from the hub; its turn is chosen by the cube
 };
 
 /// One junction.
 struct Hub {
   int node = 0;  ///< of the network
-  Vec3 centre = Vec3::Zero();
+  Vec3 centre = Vec3::Zero();  ///< of its cube: the node, or further on if branches run side by side from there
   std::vector<Arm> arms;
 };
+
+/// Where an arm leads: from the start of its axis to 2.5 radii further on, or to its end.
+Vec3 direction_of(const Arm& arm);
 
 /// Distance from a junction's centre at which arm i is free of the others: max(0.3 r_i, max_j t_ij) + 0.5 r_i,
 /// t_ij = (r_j + r_i cos) / sin of the angle between them (at most r_j beyond a right angle), radii widened by the

@@ -64,41 +64,83 @@ std::vector<std::vector<Group>> groupings(const Hub& hub) {
   return all;
 }
 
-/// How far along their mean direction the walls of a group's arms part, for the two that part first.
-double crotch_distance(const Hub& hub, const Group& group, const Vec3& mean) {
-  double least = 1e300;
+/// The way from the hub to the cube of a group, in the middle of its arms: more than halfway to where the first two of
+/// them part. Empty if the arms have no middle.
+ArmAxis way_to_cube(const Hub& hub, const Group& group) {
+  double parting = 1e300, radius = 0;
   for (std::size_t a = 0; a < group.size(); ++a) {
+    radius = std::max(radius, hub.arms[group[a]].radius);
     for (std::size_t b = a + 1; b < group.size(); ++b) {
-      const Arm &p = hub.arms[group[a]], &q = hub.arms[group[b]];
-      const double blend = 0.14 * std::min(p.radius, q.radius);
-      const double cosine = p.direction.dot(q.direction);
-      const double sine = std::sqrt(std::max(1e-4, 1 - cosine * cosine));
-      // the point at the distance of the radii from both axes, in their plane
-      const Vec3 crotch = (q.radius + blend) / sine * p.direction + (p.radius + blend) / sine * q.direction;
-      least = std::min(least, crotch.dot(mean));
+      parting = std::min(parting, parting_length(hub.arms[group[a]].axis, hub.arms[group[b]].axis));
     }
   }
-  return least;
+  const auto middle = [&](double s) {
+    Vec3 sum = Vec3::Zero();
+    double radii = 0;
+    for (const int a : group) {
+      const ArmPoint p = arm_point(hub.arms[a].axis, s);
+      sum += p.radius * p.position;
+      radii += p.radius;
+    }
+    return Vec3(sum / radii);
+  };
+  const double end = std::max(0.57 * parting, parting - 1.5 * radius);
+  const int pieces = std::max(2, static_cast<int>(std::ceil(end / (0.25 * radius))));
+  ArmAxis way;
+  for (int i = 0; i <= pieces; ++i) {
+    way.points.push_back(middle(end * i / pieces));
+    way.radii.push_back(1.15 * radius);
+  }
+  return (way.points.back() - hub.centre).norm() > 0.05 * end ? way : ArmAxis{};
 }
 
-Vec3 target(const Cluster& cluster, const Arm& arm) {
-  return arm.link >= 0 ? cluster[arm.link].centre : arm.axis.back();
+ArmAxis straight(const Vec3& from, const Vec3& to, double radius) {
+  ArmAxis axis;
+  const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / (0.25 * radius))));
+  for (int i = 0; i <= pieces; ++i) {
+    axis.points.push_back(from + static_cast<double>(i) / pieces * (to - from));
+    axis.radii.push_back(radius);
+  }
+  return axis;
 }
 
-/// Adds a straight link between two hubs of the cluster; `id` < 0 names it, as branches are named by numbers >= 0.
-void link(Cluster& cluster, int a, int b, int id, double radius) {
-  const Vec3 along = cluster[b].centre - cluster[a].centre;
+ArmAxis reversed(ArmAxis axis) {
+  std::reverse(axis.points.begin(), axis.points.end());
+  std::reverse(axis.radii.begin(), axis.radii.end());
+  return axis;
+}
+
+/// The axis, started from another point: what lies behind or beside it is left out.
+ArmAxis started_from(const ArmAxis& axis, const Vec3& start) {
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < axis.points.size(); ++i) {
+    if ((axis.points[i] - start).norm() < (axis.points[nearest] - start).norm()) {
+      nearest = i;
+    }
+  }
+  ArmAxis out{{start}, {axis.radii[nearest]}};
+  double on = 0;
+  for (std::size_t i = nearest + 1; i < axis.points.size(); ++i) {
+    on += (axis.points[i] - axis.points[i - 1]).norm();
+    if (on > 0.5 * axis.radii[i] || i + 1 == axis.points.size()) {
+      out.points.push_back(axis.points[i]);
+      out.radii.push_back(axis.radii[i]);
+    }
+  }
+  return out;
+}
+
+/// Adds a link between two hubs of the cluster; `id` < 0 names it, as branches are named by numbers >= 0.
+void link(Cluster& cluster, int a, int b, int id, const ArmAxis& axis) {
   for (int end = 0; end < 2; ++end) {
-    Hub& from = cluster[end == 0 ? a : b];
     Arm arm;
     arm.branch = id;
     arm.end = end;
     arm.link = end == 0 ? b : a;
-    arm.cap = along.norm();
-    arm.direction = (end == 0 ? along : Vec3(-along)).normalized();
-    arm.radius = radius;
-    arm.axis = {from.centre, cluster[arm.link].centre};
-    from.arms.push_back(arm);
+    arm.cap = length_of(axis);
+    arm.radius = axis.radii.front();
+    arm.axis = end == 0 ? axis : reversed(axis);
+    cluster[end == 0 ? a : b].arms.push_back(arm);
   }
 }
 
@@ -106,6 +148,7 @@ std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Gr
   const Hub& hub = cluster[h];
   std::vector<char> grouped(hub.arms.size(), 0);
   std::vector<Hub> subs;
+  std::vector<ArmAxis> ways;
   double mean_radius = 0;
   for (const Arm& arm : hub.arms) {
     mean_radius += arm.radius / hub.arms.size();
@@ -113,17 +156,15 @@ std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Gr
   for (const Group& group : groups) {
     Hub sub;
     sub.node = hub.node;
-    Vec3 mean = Vec3::Zero();
     for (const int a : group) {
-      mean += hub.arms[a].direction;
       grouped[a] = 1;
       sub.arms.push_back(hub.arms[a]);
     }
-    if (mean.norm() < 0.1) {
+    ways.push_back(way_to_cube(hub, group));
+    if (ways.back().points.empty()) {
       return {};
     }
-    mean.normalize();
-    sub.centre = hub.centre + 0.5 * crotch_distance(hub, group, mean) * mean;
+    sub.centre = ways.back().points.back();
     subs.push_back(sub);
   }
   const int rest = static_cast<int>(std::count(grouped.begin(), grouped.end(), 0));
@@ -143,13 +184,6 @@ std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Gr
       id = std::min(id, arm.branch - 1);
     }
   }
-  const auto radius_of = [](const Hub& sub) {
-    double r = 0;
-    for (const Arm& arm : sub.arms) {
-      r = std::max(r, arm.radius);
-    }
-    return 1.15 * r;
-  };
   if (rest + static_cast<int>(groups.size()) >= 3) {
     // the middle cube gives way to those near it
     Vec3 away = Vec3::Zero();
@@ -160,14 +194,14 @@ std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Gr
     const double most = 0.6 * mean_radius;
     main.centre += away.norm() > most ? Vec3(most * away.normalized()) : away;
     out[h] = main;
-    for (const Hub& sub : subs) {
-      out.push_back(sub);
-      link(out, h, static_cast<int>(out.size()) - 1, id--, radius_of(sub));
+    for (std::size_t g = 0; g < subs.size(); ++g) {
+      out.push_back(subs[g]);
+      link(out, h, static_cast<int>(out.size()) - 1, id--, ways[g]);
     }
   } else if (groups.size() == 2 && rest == 0) {
     out[h] = subs[0];
     out.push_back(subs[1]);
-    link(out, h, static_cast<int>(out.size()) - 1, id--, 1.2 * mean_radius);
+    link(out, h, static_cast<int>(out.size()) - 1, id--, straight(subs[0].centre, subs[1].centre, 1.2 * mean_radius));
   } else if (groups.size() == 1 && rest <= 1) {
     out[h] = subs[0];  // one cube, moved towards the crotch
     out[h].arms.insert(out[h].arms.end(), main.arms.begin(), main.arms.end());
@@ -188,11 +222,16 @@ std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Gr
   }
   for (Hub& changed : out) {
     for (Arm& arm : changed.arms) {
-      const Vec3 d = target(out, arm) - changed.centre;
-      if (d.norm() < 1e-3 * arm.radius) {
+      if (arm.axis.points.front() != changed.centre) {
+        arm.axis = started_from(arm.axis, changed.centre);
+      }
+      if (arm.link >= 0 && arm.axis.points.back() != out[arm.link].centre) {
+        arm.axis = reversed(started_from(reversed(arm.axis), out[arm.link].centre));
+      }
+      if (arm.axis.points.size() < 2) {
         return {};
       }
-      arm.direction = d.normalized();
+      arm.direction = direction_of(arm);
     }
   }
   return out;
