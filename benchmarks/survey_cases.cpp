@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include "gallery.h"
+#include "random_network.h"
 #include "vasohex/blocks/build_blocks.h"
 #include "vasohex/skeleton/read_skeleton.h"
 
@@ -27,6 +29,74 @@ std::vector<Case> random_junctions(std::optional<int> count) {
       all.push_back({Kind::random, group, group + "/" + std::to_string(seed),
                      gallery::random_star(arms, seed, kLeastAngle), kGood});
     }
+  }
+  return all;
+}
+
+/// As short as it can be: `0.5`, `1`, `20`.
+std::string text_of(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::vector<Case> nasty_cases() {
+  std::vector<Case> all;
+  const auto add = [&](const std::string& group, const std::string& name, const Skeleton& skeleton) {
+    all.push_back({Kind::nasty, group, group + " " + name, skeleton, kGood});
+  };
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+
+  for (const auto& [left, right] : {std::pair(1.0, 1.0), {.8, .8}, {.7, .35}, {1.0, .3}}) {
+    for (const double lift : {0, 45, 80}) {
+      add("fork 20", text_of(left) + ":" + text_of(right) + " lift " + text_of(lift),
+          gallery::fork(20, left, right, lift));
+    }
+  }
+
+  for (const double angle : {90, 70, 50, 35, 20}) {
+    add("5:1", "side branch at " + text_of(angle), gallery::star({x, -x, spherical(angle, 0)}, {1, 1, .2}, 6));
+  }
+  add("5:1", "two side branches opposite", gallery::star({x, -x, y, -y}, {1, 1, .2, .2}, 6));
+  add("5:1", "two side branches across", gallery::star({x, -x, y, z}, {1, 1, .2, .2}, 6));
+  add("5:1", "fork 80, thin daughter", gallery::star({-x, spherical(20, 0), spherical(-60, 0)}, {1, .9, .2}, 6));
+  add("5:1", "thin into two wide", gallery::star({-x, spherical(60, 0), spherical(-60, 0)}, {.2, 1, 1}, 6));
+  add("5:1", "one wide, two thin", gallery::star({-x, spherical(30, 0), spherical(-30, 0)}, {1, .2, .2}, 6));
+
+  for (const double gap : {.5, 1.0}) {
+    for (const double twist : {0, 30, 45, 60, 90}) {
+      add("link", text_of(gap) + " r, dumbbell, twist " + text_of(twist), gallery::dumbbell(gap, twist));
+    }
+    for (const double twist : {0, 45, 90, 135, 180}) {
+      add("link", text_of(gap) + " r, side branches, twist " + text_of(twist),
+          gallery::two_side_branches(gap, twist));
+    }
+  }
+
+  const double tight = 1 / .9;
+  for (const double degrees : {90, 135, 180}) {
+    add("bend", text_of(degrees), gallery::bend(tight, degrees, 5).skeleton);
+  }
+  const auto with_arm = [](gallery::Bend b, int point, const Vec3& direction, double radius) {
+    gallery::add_arm(b.skeleton, point, direction, radius, 6);
+    return b.skeleton;
+  };
+  const gallery::Bend u = gallery::bend(tight, 180, 5);
+  add("bend", "180, branch 1 r before, outward", with_arm(u, u.begin - 2, -y, .8));
+  add("bend", "180, branch 1 r before, across", with_arm(u, u.begin - 2, z, .8));
+  add("bend", "180, branch 2 r before, across", with_arm(u, u.begin - 4, z, .8));
+  add("bend", "180, branch where it begins, across", with_arm(u, u.begin, z, .8));
+  add("bend", "180, branch in its middle, outward", with_arm(u, u.middle, x, .8));
+  add("bend", "180, branch in its middle, across", with_arm(u, u.middle, z, .8));
+  return all;
+}
+
+std::vector<Case> random_networks(std::optional<int> count) {
+  constexpr int seeds = 20, junctions = 10;
+  std::vector<Case> all;
+  for (int seed = 1; seed <= std::min(seeds, count.value_or(seeds)); ++seed) {
+    all.push_back(
+        {Kind::trees, "tree", "tree/" + std::to_string(seed), gallery::RandomNetwork::grown(seed, junctions), kGood});
   }
   return all;
 }
@@ -88,11 +158,11 @@ std::vector<Case> cases_of(Kind kind, std::optional<int> count) {
     case Kind::random:
       return random_junctions(count);
     case Kind::nasty:
-      return {};
+      return nasty_cases();
     case Kind::named:
       return named_cases();
     case Kind::trees:
-      return {};
+      return random_networks(count);
   }
   return {};
 }

@@ -119,6 +119,58 @@ std::string named_table(const std::vector<Figures>& figures) {
   return text;
 }
 
+std::string order_names(const std::vector<int>& orders, const std::string& what) {
+  std::string text;
+  for (const int p : orders) {
+    text += " " + what + " p" + std::to_string(p) + " |";
+  }
+  return text;
+}
+
+/// Nasty cases and networks: one row a case, least scaled Jacobian per order.
+std::string case_table(const std::vector<Figures>& figures, bool with_counts) {
+  std::vector<int> orders;
+  for (const Figures& f : figures) {
+    if (std::find(orders.begin(), orders.end(), f.order) == orders.end()) {
+      orders.push_back(f.order);
+    }
+  }
+  std::string text = with_counts ? "| case | junctions | loops | elements |" : "| case |";
+  text += order_names(orders, "min") + order_names(orders, "certified") + " tried | CPU ms per junction |\n|";
+  for (std::size_t c = 0; c < 2 * orders.size() + (with_counts ? 6 : 3); ++c) {
+    text += " --- |";
+  }
+  text += "\n";
+  for (std::size_t i = 0; i < figures.size(); i += orders.size()) {
+    const std::vector<Figures> row(figures.begin() + i, figures.begin() + i + orders.size());
+    text += "| " + row[0].subject->name + " |";
+    if (with_counts) {
+      text += " " + std::to_string(row[0].junctions) + " | " + std::to_string(row[0].loops) + " | " +
+              std::to_string(row[0].elements) + " |";
+    }
+    for (const Figures& f : row) {
+      text += f.error.empty() ? " " + number(f.min, 3) + " |" : " |";
+    }
+    for (const Figures& f : row) {
+      text += " " + (f.certified() ? "all" : "**" + faults(f) + "**") + " |";
+    }
+    text += " " + number(row[0].candidates, 1) + " | " +
+            number(1e3 * row[0].cpu_seconds / std::max(1, row[0].junctions), 0) + " |\n";
+  }
+  for (const int p : orders) {
+    std::vector<const Figures*> rows;
+    for (const Figures& f : figures) {
+      if (f.order == p) {
+        rows.push_back(&f);
+      }
+    }
+    const auto least = values_of(rows, [](const Figures& f) { return f.min; });
+    text += "\nOrder " + std::to_string(p) + ": " + certified_part(rows) + " certified, least " +
+            number(percentile(least, 0), 3) + ", median " + number(percentile(least, .5), 3) + ".\n";
+  }
+  return text;
+}
+
 /// Lines of at most `width` characters.
 std::string wrapped(const std::string& text, std::size_t width) {
   std::string out;
@@ -182,6 +234,7 @@ Figures measure(const Case& subject, int order, SkeletonMesh* mesh) {
     f.min = quality.scaled_jacobian.min;
     f.linear_min = quality.scaled_jacobian_linear.min;
     f.junctions = static_cast<int>(m.blocks.junctions.size());
+    f.loops = static_cast<int>(m.network.branches.size()) - static_cast<int>(m.network.nodes.size()) + 1;
     for (const BlockStructure::Junction& j : m.blocks.junctions) {
       f.cpu_seconds += j.cpu_seconds;
       f.candidates += static_cast<double>(j.candidates) / f.junctions;
@@ -204,7 +257,20 @@ std::string table(Kind kind, const std::vector<Figures>& figures) {
     case Kind::named:
       text = "### Named junctions\n\n" + named_table(figures);
       break;
-    default:
+    case Kind::nasty:
+      text =
+          "### Nasty cases\n\n"
+          "*Fork*: daughters 20 degrees apart, radii over the parent's, which comes *lift* degrees out of their "
+          "plane.\n"
+          "*5:1*: radii. *Link*: two junctions .5 or 1 r apart. *Bend*: curvature times radius .9.\n\n" +
+          case_table(figures, false);
+      break;
+    case Kind::trees:
+      text =
+          "### Random networks\n\n"
+          "About ten junctions of 3 or 4 branches, tapering and curved; every third branch or so is a link of .4 to\n"
+          "1.2 r to the next junction; odd seeds contain a loop.\n\n" +
+          case_table(figures, true);
       break;
   }
   const std::string lacking = compact_shortfalls(figures);

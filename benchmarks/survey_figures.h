@@ -22,7 +22,7 @@ struct Figures {
   double linear_min = 0;   ///< least scaled Jacobian of the straight-sided elements
   double cpu_seconds = 0;  ///< processor time of the junctions' optimisation, all together
   int junctions = 0;
-  int loops = 0;
+  int loops = 0;          ///< all cases are of one component
   double candidates = 0;  ///< arrangements tried, mean over the junctions
 
   bool certified() const { return error.empty() && faulty + faulty_blocks + unconverged == 0; }
