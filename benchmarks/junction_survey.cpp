@@ -83,20 +83,28 @@ std::vector<Figures> survey(const std::vector<Case>& cases, const Options& optio
   return figures;
 }
 
-/// The text of the file with everything between the markers replaced.
-void write_between_markers(const std::string& path, const std::string& tables) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream read;
-  read << in.rdbuf();
-  const std::string text = read.str();
-  const std::size_t begin = text.find(kBegin), end = text.find(kEnd);
-  if (!in || begin == std::string::npos || end == std::string::npos || end < begin) {
-    throw Error(ErrorCode::bad_input, path + ": must hold the lines " + kBegin + " and " + kEnd);
+/// A file whose text between the markers can be replaced.
+struct MarkedFile {
+  std::string path, before, after;
+
+  explicit MarkedFile(const std::string& file) : path(file) {
+    std::ifstream in(path, std::ios::binary);
+    std::stringstream read;
+    read << in.rdbuf();
+    const std::string text = read.str();
+    const std::size_t begin = text.find(kBegin), end = text.find(kEnd);
+    if (!in || begin == std::string::npos || end == std::string::npos || end < begin) {
+      throw Error(ErrorCode::bad_input, path + ": must hold the lines " + kBegin + " and " + kEnd);
+    }
+    before = text.substr(0, begin) + kBegin + '\n';
+    after = text.substr(end);
   }
-  AtomicFile file(path);
-  file.stream() << text.substr(0, begin) << kBegin << '\n' << tables << text.substr(end);
-  file.commit();
-}
+  void write(const std::string& between) const {
+    AtomicFile file(path);
+    file.stream() << before << between << after;
+    file.commit();
+  }
+};
 
 void write_vtu_of(const Case& subject, int order, const std::string& path) {
   SkeletonMesh m;
@@ -112,6 +120,10 @@ void write_vtu_of(const Case& subject, int order, const std::string& path) {
 
 void run(const Options& options) {
   const std::vector<Case> cases = chosen_cases(options);
+  std::optional<MarkedFile> page;
+  if (!options.write.empty()) {
+    page.emplace(options.write);  // before the work: it may not be usable
+  }
   if (options.list) {
     for (const Case& c : cases) {
       std::printf("%s\n", c.name.c_str());
@@ -141,8 +153,8 @@ void run(const Options& options) {
   }
   std::printf("%s", tables.c_str());
   std::printf("\n%s%s", lists.empty() ? "" : "Below the goal or not certified:\n", lists.c_str());
-  if (!options.write.empty()) {
-    write_between_markers(options.write, tables);
+  if (page) {
+    page->write(tables);
   }
   if (!options.json.empty()) {
     AtomicFile file(options.json);

@@ -73,6 +73,12 @@ std::vector<Case> nasty_cases() {
     }
   }
 
+  for (const double length : {.6, .8, 1.1, 1.5}) {
+    for (const double twist : {0, 45, 90}) {
+      add("stub", text_of(length) + " r, twist " + text_of(twist), gallery::forked_stub(length, twist));
+    }
+  }
+
   const double tight = 1 / .9;
   for (const double degrees : {90, 135, 180}) {
     add("bend", text_of(degrees), gallery::bend(tight, degrees, 5).skeleton);

@@ -213,6 +213,19 @@ std::string compact_shortfalls(const std::vector<Figures>& figures) {
   return text;
 }
 
+/// `junction of 4 at (1.00, 2.00, 3.00)`, `vessel 7 at ..`
+std::string place_of(const QualityReport::Element& element, const Network& network) {
+  const int branch = element.branch.value();
+  std::string text;
+  if (branch < 0) {
+    text = "junction of " + std::to_string(network.nodes[-1 - branch].degree);
+  } else {
+    text = "vessel " + std::to_string(branch);
+  }
+  const Vec3& x = element.centre;
+  return text + " at (" + number(x.x(), 2) + ", " + number(x.y(), 2) + ", " + number(x.z(), 2) + ")";
+}
+
 }  // namespace
 
 Figures measure(const Case& subject, int order, SkeletonMesh* mesh) {
@@ -232,6 +245,7 @@ Figures measure(const Case& subject, int order, SkeletonMesh* mesh) {
     f.faulty_blocks = static_cast<int>(m.blocks.blocks.size()) - m.blocks.certified;
     f.unconverged = m.result.unconverged;
     f.min = quality.scaled_jacobian.min;
+    f.worst = place_of(quality.worst.front(), m.network);
     f.linear_min = quality.scaled_jacobian_linear.min;
     f.junctions = static_cast<int>(m.blocks.junctions.size());
     f.loops = static_cast<int>(m.network.branches.size()) - static_cast<int>(m.network.nodes.size()) + 1;
@@ -262,14 +276,16 @@ std::string table(Kind kind, const std::vector<Figures>& figures) {
           "### Nasty cases\n\n"
           "*Fork*: daughters 20 degrees apart, radii over the parent's, which comes *lift* degrees out of their "
           "plane.\n"
-          "*5:1*: radii. *Link*: two junctions .5 or 1 r apart. *Bend*: curvature times radius .9.\n\n" +
+          "*5:1*: radii. *Link*: two junctions .5 or 1 r apart. *Stub*: a side branch of radius .55 that divides "
+          "again at\n"
+          "once, the length from the parent's axis. *Bend*: curvature times radius .9.\n\n" +
           case_table(figures, false);
       break;
     case Kind::trees:
       text =
           "### Random networks\n\n"
-          "About ten junctions of 3 or 4 branches, tapering and curved; every third branch or so is a link of .4 to\n"
-          "1.2 r to the next junction; odd seeds contain a loop.\n\n" +
+          "About ten junctions of 3 or 4 branches, tapering and curved; some junctions have another one .5 to 1.2 r\n"
+          "away; odd seeds contain a loop.\n\n" +
           case_table(figures, true);
       break;
   }
@@ -286,7 +302,7 @@ std::string shortfalls(const std::vector<Figures>& figures) {
     if (!f.good()) {
       text += "  " + f.subject->name + " order " + std::to_string(f.order) + ": ";
       if (f.error.empty()) {
-        text += "min " + number(f.min, 3) + ", linear " + number(f.linear_min, 3) + ", goal " +
+        text += "min " + number(f.min, 3) + " in " + f.worst + ", linear " + number(f.linear_min, 3) + ", goal " +
                 number(f.subject->goal, 2);
       }
       text += (f.certified() ? "" : (f.error.empty() ? "; " : "") + faults(f)) + "\n";
@@ -306,6 +322,7 @@ std::string json(const std::vector<Figures>& figures) {
                   {"blocks_not_certified", f.faulty_blocks},
                   {"unconverged_projections", f.unconverged},
                   {"scaled_jacobian_min", f.min},
+                  {"worst", f.worst},
                   {"scaled_jacobian_linear_min", f.linear_min},
                   {"junctions", f.junctions},
                   {"loops", f.loops},

@@ -19,6 +19,7 @@ struct Figures {
   int faulty_blocks = 0;   ///< the same of blocks
   int unconverged = 0;     ///< wall nodes that are not on the surface
   double min = 0;          ///< least scaled Jacobian of the curved elements
+  std::string worst;       ///< where the least is: vessel or junction, position
   double linear_min = 0;   ///< least scaled Jacobian of the straight-sided elements
   double cpu_seconds = 0;  ///< processor time of the junctions' optimisation, all together
   int junctions = 0;

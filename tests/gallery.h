@@ -202,6 +202,22 @@ inline Skeleton two_side_branches(double gap, double twist) {
   return s;
 }
 
+/// A vessel of radius 1 along x whose side branch along y, radius .55, divides after `length` into two of radius .4,
+/// 45 degrees to each side, in a plane `twist` degrees about y.
+inline Skeleton forked_stub(double length, double twist) {
+  Skeleton s;
+  s.points = {Vec3(0, 0, 0), Vec3(0, length, 0)};
+  s.radii = {1, 0.55};
+  s.segments = {{0, 1}};
+  const double t = twist * std::numbers::pi / 180;
+  const Vec3 aside(std::cos(t), 0, std::sin(t));
+  for (const double side : {1.0, -1.0}) {
+    add_arm(s, 0, side * Vec3::UnitX(), 1, 7);
+    add_arm(s, 1, Vec3::UnitY() + side * aside, 0.4, 7);
+  }
+  return s;
+}
+
 /// A vessel of radius 1 in the plane z = 0: straight along x for `legs`, round to the left by `degrees`, straight for
 /// `legs`.
 struct Bend {

@@ -26,11 +26,13 @@ class RandomNetwork {
   static constexpr double kNear = 3.0;       ///< vessels may touch within so many radii of the junction they leave
   static constexpr double kGap = 1.15;       ///< least distance of other vessels, over the sum of the radii
   static constexpr double kLeastAngle = 45;  ///< between the branches of a junction
+  static constexpr double kLinks = 0.4;      ///< part of the junctions that have another one very near
   struct Tip {
     int point = 0;
     Vec3 direction = Vec3::Zero();
     double radius = 0;
-    std::vector<Vec3> others;  ///< directions of the junction's other branches; empty: no link starts here
+    bool is_link = false;      ///< leads to a junction very near
+    std::vector<Vec3> others;  ///< of a link: directions of its junction's other branches
   };
   struct Path {
     std::vector<Vec3> points;
@@ -44,7 +46,7 @@ class RandomNetwork {
     } else {
       skeleton_.points.push_back(Vec3::Zero());
       skeleton_.radii.push_back(1);
-      tips_.push_back({0, Vec3::UnitZ(), 1, {}});
+      tips_.push_back({0, Vec3::UnitZ(), 1, false, {}});
     }
     while (!tips_.empty()) {
       const Tip tip = tips_.front();
@@ -77,10 +79,8 @@ class RandomNetwork {
       const int at = 20 * i + static_cast<int>(uniform(0, 12));
       const double a = 2 * std::numbers::pi * at / pieces, e = uniform(-0.6, 0.6);
       const Vec3 along(-std::sin(a), std::cos(a), 0);
-      tips_.push_back({at,
-                       Vec3(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)),
-                       skeleton_.radii[at] * uniform(0.6, 1),
-                       {along, -along}});
+      const Vec3 outward(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e));
+      tips_.push_back({at, outward, skeleton_.radii[at] * uniform(0.6, 1), uniform(0, 1) < kLinks, {along, -along}});
       --left_;
     }
   }
@@ -134,10 +134,11 @@ class RandomNetwork {
 
   void grow(const Tip& tip) {
     const double at_start = std::max(skeleton_.radii[tip.point], tip.radius);
-    const bool is_link = !tip.others.empty() && left_ > 0 && uniform(0, 1) < 0.3;  // to a junction very near
+    const bool is_link = tip.is_link && left_ > 0;
     for (int attempt = 0; attempt < 60; ++attempt) {
-      const double shrink = std::pow(0.985, attempt);
-      const Path path = drawn(tip, tip.radius * (is_link ? uniform(0.4, 1.2) : shrink * uniform(7, 13)));
+      const double length =
+          is_link ? at_start * uniform(0.5, 1.2) : tip.radius * std::pow(0.985, attempt) * uniform(7, 13);
+      const Path path = drawn(tip, length);
       if (is_free(path, skeleton_.points[tip.point], at_start)) {
         const int end = add(tip, path);
         if (left_ > 0) {
@@ -158,7 +159,7 @@ class RandomNetwork {
       std::vector<Tip> children;
       while (children.size() < wanted) {
         const Vec3 d = any_direction();
-        const Tip child{end, d, radius * uniform(0.55, 0.95), {}};
+        const Tip child{end, d, radius * uniform(0.55, 0.95), false, {}};
         Path probe;
         for (int i = 1; i <= 8; ++i) {
           probe.points.push_back(skeleton_.points[end] + 0.5 * i * radius * d);
@@ -173,12 +174,11 @@ class RandomNetwork {
         children.push_back(child);
       }
       if (children.size() == wanted) {
-        for (std::size_t c = 0; c < wanted && others.empty(); ++c) {
-          children[c].others = {-path.direction};
-          for (std::size_t o = 0; o < wanted; ++o) {
-            if (o != c) {
-              children[c].others.push_back(children[o].direction);
-            }
+        if (others.empty() && uniform(0, 1) < kLinks) {  // not two links in a row: vessels would cross
+          children[0].is_link = true;
+          children[0].others.push_back(-path.direction);
+          for (std::size_t c = 1; c < wanted; ++c) {
+            children[0].others.push_back(children[c].direction);
           }
         }
         tips_.insert(tips_.end(), children.begin(), children.end());
