@@ -5,7 +5,8 @@
 
 VASOHEX is the program; FOLDER holds the real vessels (default: $VASOHEX_DATA; without it only meshes/ is run). SCRIPT is
 an independent checker of MSH files that prints `key: value` lines (default: $VASOHEX_REFEREE); its figures stand in the
-table wherever it is given, ours otherwise. Needs nothing but Python.
+table wherever it is given, ours otherwise. What benchmarks/junction_survey has written between its markers stays.
+Needs nothing but Python.
 """
 import argparse
 import json
@@ -33,6 +34,20 @@ LAYERED = ["iliac_bifurcation.swc", "abdominal_aorta.json", "s13_synthaorta/skel
 ZERO = ["non_hex", "open_faces", "overfull_faces", "mismatched_faces", "same_side_faces", "untagged_boundary",
         "stray_or_double_quads", "mismatched_quads", "inward_quads", "orphan_nodes", "duplicate_nodes",
         "duplicate_hexes", "inverted", "bernstein_negative", "bernstein_undecided"]
+
+
+# benchmarks/junction_survey.cpp knows these too
+SURVEY, SURVEY_END = "<!-- survey -->", "<!-- /survey -->"
+
+
+def survey_of(path):
+    """The survey in an older version of the file, markers included."""
+    if os.path.exists(path):
+        _, begin, rest = open(path).read().partition(SURVEY)
+        survey, end, _ = rest.partition(SURVEY_END)
+        if begin and end:
+            return begin + survey + end
+    return f"{SURVEY}\n{SURVEY_END}"
 
 
 def referee_figures(script, path):
@@ -123,6 +138,7 @@ def main():
                 lines.append(table_row(name, order, row))
                 print(f"{time.time() - begin:6.0f} s  {lines[-1]}", flush=True)
         lines.append("")
+    lines += [survey_of(args.output), ""]
     with open(args.output, "w") as f:
         f.write("\n".join(lines))
 

@@ -152,6 +152,108 @@ inline Skeleton random_star(int arms, int seed, double least) {
   return star(directions, radii, 9);
 }
 
+/// Adds a straight arm from a point of the skeleton.
+inline void add_arm(Skeleton& s, int from, const Vec3& direction, double radius, double length) {
+  const Vec3 start = s.points[from];
+  const int steps = static_cast<int>(std::ceil(length / radius));
+  int before = from;
+  for (int i = 1; i <= steps; ++i) {
+    s.points.push_back(start + length * i / steps * direction.normalized());
+    s.radii.push_back(radius);
+    s.segments.push_back({before, static_cast<int>(s.points.size()) - 1});
+    before = static_cast<int>(s.points.size()) - 1;
+  }
+}
+
+/// A vessel of radius 1 that divides into two, `angle` degrees apart; the vessel comes `lift` degrees out of their
+/// plane.
+inline Skeleton fork(double angle, double left, double right, double lift) {
+  return star({spherical(180, lift), spherical(angle / 2, 0), spherical(-angle / 2, 0)}, {1, left, right}, 12);
+}
+
+/// Two junctions `gap` apart along x, each with two arms of radius 1, 60 degrees off the axis, in planes that are
+/// `twist` degrees apart.
+inline Skeleton dumbbell(double gap, double twist) {
+  Skeleton s;
+  s.points = {Vec3(0, 0, 0), Vec3(gap, 0, 0)};
+  s.radii = {1, 1};
+  s.segments = {{0, 1}};
+  const double t = twist * std::numbers::pi / 180;
+  const Vec3 y = Vec3::UnitY(), turned(0, std::cos(t), std::sin(t));
+  for (const double side : {1.0, -1.0}) {
+    add_arm(s, 0, Vec3(-0.5, 0, 0) + side * std::sqrt(0.75) * y, 1, 7);
+    add_arm(s, 1, Vec3(0.5, 0, 0) + side * std::sqrt(0.75) * turned, 1, 7);
+  }
+  return s;
+}
+
+/// A vessel of radius 1 along x with two side branches of radius .6, `gap` apart and `twist` degrees about the
+/// vessel; both lean outward by 27 degrees.
+inline Skeleton two_side_branches(double gap, double twist) {
+  Skeleton s;
+  s.points = {Vec3(0, 0, 0), Vec3(gap, 0, 0)};
+  s.radii = {1, 1};
+  s.segments = {{0, 1}};
+  const double t = twist * std::numbers::pi / 180;
+  add_arm(s, 0, {-1, 0, 0}, 1, 7);
+  add_arm(s, 1, {1, 0, 0}, 1, 7);
+  add_arm(s, 0, {-0.5, 1, 0}, 0.6, 7);
+  add_arm(s, 1, Vec3(0.5, std::cos(t), std::sin(t)), 0.6, 7);
+  return s;
+}
+
+/// A vessel of radius 1 along x whose side branch along y, radius .55, divides after `length` into two of radius .4,
+/// 45 degrees to each side, in a plane `twist` degrees about y.
+inline Skeleton forked_stub(double length, double twist) {
+  Skeleton s;
+  s.points = {Vec3(0, 0, 0), Vec3(0, length, 0)};
+  s.radii = {1, 0.55};
+  s.segments = {{0, 1}};
+  const double t = twist * std::numbers::pi / 180;
+  const Vec3 aside(std::cos(t), 0, std::sin(t));
+  for (const double side : {1.0, -1.0}) {
+    add_arm(s, 0, side * Vec3::UnitX(), 1, 7);
+    add_arm(s, 1, Vec3::UnitY() + side * aside, 0.4, 7);
+  }
+  return s;
+}
+
+/// A vessel of radius 1 in the plane z = 0: straight along x for `legs`, round to the left by `degrees`, straight for
+/// `legs`.
+struct Bend {
+  Skeleton skeleton;
+  int begin = 0;   ///< point where the arc begins
+  int middle = 0;  ///< point in its middle
+};
+inline Bend bend(double bend_radius, double degrees, double legs) {
+  Bend b;
+  const double angle = degrees * std::numbers::pi / 180;
+  const int straight = static_cast<int>(std::ceil(2 * legs)),
+            round = 2 * static_cast<int>(std::ceil(angle * bend_radius));
+  const auto add = [&](const Vec3& p) {
+    const int n = static_cast<int>(b.skeleton.points.size());
+    b.skeleton.points.push_back(p);
+    b.skeleton.radii.push_back(1);
+    if (n > 0) {
+      b.skeleton.segments.push_back({n - 1, n});
+    }
+  };
+  for (int i = -straight; i < 0; ++i) {
+    add(Vec3(legs * i / straight, 0, 0));
+  }
+  for (int i = 0; i <= round; ++i) {
+    const double a = angle * i / round;
+    add(bend_radius * Vec3(std::sin(a), 1 - std::cos(a), 0));
+  }
+  const Vec3 last = b.skeleton.points.back(), ahead(std::cos(angle), std::sin(angle), 0);
+  for (int i = 1; i <= straight; ++i) {
+    add(last + legs * i / straight * ahead);
+  }
+  b.begin = straight;
+  b.middle = straight + round / 2;
+  return b;
+}
+
 inline std::vector<Shape> shapes() {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   std::vector<Shape> all;
