@@ -232,10 +232,10 @@ class Optimiser {
     stage(2, 5, 8, 20);
     stage(3, 5, 8, 20);
     stage(kBlockDegree, 7, 16, 40);
-    BlockSolution solution = judge_blocks(blocks_.block_nodes());
+    BlockSolution solution = judge();
     for (int repair = 0; repair < 2 && !solution.certified; ++repair) {
       stage(kBlockDegree, 9, 16, 25);
-      BlockSolution next = judge_blocks(blocks_.block_nodes());
+      BlockSolution next = judge();
       if (next.is_better_than(solution)) {
         solution = std::move(next);
       }
@@ -244,6 +244,11 @@ class Optimiser {
   }
 
  private:
+  BlockSolution judge() {
+    blocks_.land();
+    return judge_blocks(blocks_.block_nodes());
+  }
+
   Energy measure(const EnergyTerms& terms) {
     blocks_.retract(blocks_.x);
     return blocks_.energy(blocks_.x, terms, nullptr);

@@ -9,6 +9,9 @@
 namespace vasohex {
 namespace {
 
+/// Of the wall's model, over the mean length of the blocks.
+constexpr double kWallReach = 0.04;
+
 Vec3 nearest_on_axis(const std::vector<Vec3>& axis, const Vec3& p) {
   Vec3 best = axis.front();
   double least = (p - best).squaredNorm();
@@ -27,7 +30,7 @@ Vec3 nearest_on_axis(const std::vector<Vec3>& axis, const Vec3& p) {
 }  // namespace
 
 PolynomialBlocks::PolynomialBlocks(const BlockProblem& problem, const BlockTopology& topology, int degree)
-    : problem_(&problem), topology_(&topology), degree_(degree) {
+    : problem_(&problem), topology_(&topology), degree_(degree), wall_(*problem.surface, 0) {
   nodes_1d_ = family_nodes(NodeFamily::gauss_lobatto, degree);
   const LatticeNumbering numbering(topology, std::vector<int>(topology.edges.size(), degree));
   std::vector<int> block_ids;
@@ -57,6 +60,7 @@ PolynomialBlocks::PolynomialBlocks(const BlockProblem& problem, const BlockTopol
       wall_nodes_.push_back(i);
     }
   }
+  wall_ = WallModel(*problem.surface, wall_nodes_.size() + wall_faces_.size() * degree * degree);
   normals_ = Points::Zero(x.rows(), 3);
   std::vector<double> middles;
   for (int i = 0; i < degree; ++i) {
@@ -132,10 +136,11 @@ void PolynomialBlocks::place_sections() {
 
 void PolynomialBlocks::retract(Points& y) {
   const double reach = 0.5 * mean_length_;
-  for (const int i : wall_nodes_) {
+  for (std::size_t w = 0; w < wall_nodes_.size(); ++w) {
+    const int i = wall_nodes_[w];
     Vec3 p = y.row(i), gradient;
     for (int iteration = 0; iteration < 12; ++iteration) {
-      const double f = problem_->surface->value(p, gradient);
+      const double f = wall_.value(w, p, gradient);
       Vec3 step = -f / std::max(gradient.squaredNorm(), 1e-300) * gradient;
       const double length = step.norm();
       if (length > reach) {
@@ -150,6 +155,11 @@ void PolynomialBlocks::retract(Points& y) {
     const double g = gradient.norm();
     normals_.row(i) = g > 0 ? Vec3(gradient / g) : Vec3(Vec3::UnitZ());
   }
+}
+
+void PolynomialBlocks::land() {
+  wall_.forget();
+  retract(x);
 }
 
 void PolynomialBlocks::carry_inside(const Points& before) {
@@ -186,15 +196,17 @@ void PolynomialBlocks::update_lengths() {
       inverse_lengths_[3 * b + d] = 1 / lengths_[b][d];
     }
   }
+  wall_.set_reach(kWallReach * mean_length_);
 }
 
 void PolynomialBlocks::adopt_lengths(const PolynomialBlocks& other) {
   lengths_ = other.lengths_;
   inverse_lengths_ = other.inverse_lengths_;
   mean_length_ = other.mean_length_;
+  wall_.set_reach(kWallReach * mean_length_);
 }
 
-Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Points* gradient) const {
+Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Points* gradient) {
   if (gradient) {
     gradient->setZero(y.rows(), 3);
   }
@@ -317,11 +329,12 @@ std::vector<Vec3> PolynomialBlocks::block_nodes() const {
   return all;
 }
 
-double PolynomialBlocks::wall_distance(const Points& y, Points* gradient) const {
+double PolynomialBlocks::wall_distance(const Points& y, Points* gradient) {
   const int n = degree_ + 1, m = degree_;
   constexpr int kMost = kBlockDegree + 1;
   double total = 0;
   const double samples = static_cast<double>(wall_faces_.size()) * m * m;
+  std::size_t sample = wall_nodes_.size();
   for (const auto& [b, f] : wall_faces_) {
     const double length = (lengths_[b][0] + lengths_[b][1] + lengths_[b][2]) / 3;
     const double weight = kWallWeight / (samples * length * length);
@@ -344,7 +357,7 @@ double PolynomialBlocks::wall_distance(const Points& y, Points* gradient) const 
         for (int j = 0; j < n; ++j) {
           p += wall_values_[t * n + j] * along[s + m * j];
         }
-        const double value = problem_->surface->value(p, g);
+        const double value = wall_.value(sample++, p, g);
         const double g2 = std::max(g.squaredNorm(), 1e-300);
         total += weight * value * value / g2;
         if (gradient) {

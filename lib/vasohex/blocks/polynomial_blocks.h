@@ -7,6 +7,7 @@
 #include "vasohex/blocks/energy_kernel.h"
 #include "vasohex/blocks/optimise.h"
 #include "vasohex/blocks/topology.h"
+#include "vasohex/blocks/wall_model.h"
 #include "vasohex/core/node_family.h"
 #include "vasohex/core/reference_hex.h"
 
@@ -71,8 +72,11 @@ class PolynomialBlocks {
   /// Puts the nodes of the fixed faces where their cross-sections are.
   void place_sections();
 
-  /// Wall nodes onto the surface by Newton's method; remembers the normals there.
+  /// Wall nodes onto the wall's model by Newton's method; remembers the normals there.
   void retract(Points& y);
+
+  /// Wall nodes onto the surface itself.
+  void land();
 
   /// Spreads how far wall nodes moved from `before` linearly along the blocks that end on the wall.
   void carry_inside(const Points& before);
@@ -101,7 +105,7 @@ class PolynomialBlocks {
   void adopt_lengths(const PolynomialBlocks& other);
 
   /// Energy at y, whose wall nodes have just been retracted; the gradient lies in the wall and leaves sections alone.
-  Energy energy(const Points& y, const EnergyTerms& terms, Points* gradient) const;
+  Energy energy(const Points& y, const EnergyTerms& terms, Points* gradient);
 
   /// Removes what would move fixed nodes or lead off the wall.
   void make_tangential(Points& v) const;
@@ -134,7 +138,7 @@ class PolynomialBlocks {
   }
 
   /// kWallWeight * mean over samples between the wall nodes of (distance to the surface / block length)^2.
-  double wall_distance(const Points& y, Points* gradient) const;
+  double wall_distance(const Points& y, Points* gradient);
 
   const BlockProblem* problem_;
   const BlockTopology* topology_;
@@ -144,6 +148,7 @@ class PolynomialBlocks {
   std::vector<NodeKind> kinds_;
   std::vector<WallFace> wall_faces_;
   std::vector<int> wall_nodes_;
+  WallModel wall_;  ///< of the wall nodes, then of the samples between them
   Points normals_;
   std::vector<double> wall_values_;  ///< [degree][degree + 1]: between the nodes
   std::vector<std::array<double, 3>> lengths_;
