@@ -123,18 +123,24 @@ class Preconditioner {
 };
 
 /// L-BFGS with memory 10 [Nocedal & Wright, alg. 7.4] in the tangent space of the wall; every trial is retracted.
-/// Stops when the energy falls by less than `tolerance` (relative) four times in a row.
+/// Stops when the energy falls by less than `tolerance` (relative) four times in a row. With `patience` > 0 it ends
+/// at the iterate of the greatest least scaled Jacobian, which swings while the energy falls, and stops when that has
+/// not risen by .002 for so many iterations.
 void minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, const EnergyTerms& terms,
-              int iterations, double tolerance) {
+              int iterations, double tolerance, int patience) {
   constexpr std::size_t kMemory = 10;
   const double longest_step = 0.15 * blocks.mean_length();
+  // above degree 2 the blocks come from a lower degree and have not far to go
+  const double first_step = (blocks.degree() == 2 ? 0.1 : 0.01) * blocks.mean_length();
   Points gradient, trial, trial_gradient;
   blocks.retract(blocks.x);
   Energy e = blocks.energy(blocks.x, terms, &gradient);
   std::deque<Points> moves, changes;
   std::deque<double> rho;
+  Points best = blocks.x;
+  double best_jacobian = e.min_jacobian, mark = best_jacobian;
   double scale = 1;
-  int stalls = 0;
+  int stalls = 0, idle = 0;
   for (int done = 0; done < iterations; ++done) {
     Points p = -gradient;
     std::vector<double> alpha(moves.size());
@@ -144,7 +150,7 @@ void minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, co
     }
     p = preconditioner.apply(p);
     blocks.make_tangential(p);
-    p *= moves.empty() ? 0.1 * blocks.mean_length() / std::max(1e-300, largest_row(p)) : scale;
+    p *= moves.empty() ? first_step / std::max(1e-300, largest_row(p)) : scale;
     for (std::size_t i = 0; i < moves.size(); ++i) {
       p += (alpha[i] - rho[i] * dot(changes[i], p)) * moves[i];
     }
@@ -171,7 +177,9 @@ void minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, co
       next = blocks.energy(trial, terms, &trial_gradient);
       accepted = std::isfinite(next.value) && next.value < e.value + 1e-4 * step * slope;
       if (!accepted) {
-        step *= 0.4;
+        // to the least of the parabola through both values
+        const double rise = next.value - e.value - step * slope;
+        step *= std::isfinite(rise) ? std::clamp(-0.5 * step * slope / rise, 0.1, 0.5) : 0.1;
       }
     }
     if (!accepted) {
@@ -203,9 +211,20 @@ void minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, co
     blocks.x = trial;
     gradient = trial_gradient;
     e = next;
-    if (stalls > 3) {
+    if (patience > 0) {
+      if (e.min_jacobian > best_jacobian) {
+        best_jacobian = e.min_jacobian;
+        best = blocks.x;
+      }
+      idle = e.min_jacobian > mark + 0.002 ? 0 : idle + 1;
+      mark = idle == 0 ? e.min_jacobian : mark;
+    }
+    if (stalls > 3 || (patience > 0 && idle >= patience)) {
       break;
     }
+  }
+  if (patience > 0) {
+    blocks.x = best;
   }
 }
 
@@ -254,11 +273,11 @@ class Optimiser {
     return blocks_.energy(blocks_.x, terms, nullptr);
   }
 
-  void minimise_here(const EnergyTerms& terms, int iterations, double tolerance) {
+  void minimise_here(const EnergyTerms& terms, int iterations, double tolerance, int patience = 0) {
     if (!preconditioner_) {
       preconditioner_.emplace(blocks_, problem_, topology_);
     }
-    minimise(blocks_, *preconditioner_, terms, iterations, tolerance);
+    minimise(blocks_, *preconditioner_, terms, iterations, tolerance, patience);
   }
 
   void update_lengths() {
@@ -313,7 +332,7 @@ class Optimiser {
     terms.jacobian_weight = 1;
     terms.power = power;
     terms.jacobian_goal = std::min(0.75, std::max(now.min_jacobian + 0.1, -0.5));
-    minimise_here(terms, iterations, 3e-4);
+    minimise_here(terms, iterations, 3e-4, degree == kBlockDegree ? 8 : 0);
   }
 
   const BlockProblem& problem_;
