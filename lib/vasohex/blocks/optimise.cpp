@@ -1,13 +1,13 @@
 #include "vasohex/blocks/optimise.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <deque>
 #include <numeric>
 #include <optional>
 
 #include "vasohex/blocks/polynomial_blocks.h"
+#include "vasohex/blocks/preconditioner.h"
 #include "vasohex/quality/validity.h"
 
 namespace vasohex {
@@ -16,149 +16,87 @@ namespace {
 double dot(const Points& a, const Points& b) { return (a.array() * b.array()).sum(); }
 double largest_row(const Points& a) { return std::sqrt(a.rowwise().squaredNorm().maxCoeff()); }
 
-/// Calls f(node a, node b, weight) for every lattice edge of a finite-volume Laplacian on the Gauss-Lobatto lattice
-/// with the blocks' target lengths.
-template <class F>
-void for_laplacian_edges(const PolynomialBlocks& blocks, F&& f) {
-  const int q = blocks.degree(), n = q + 1;
-  const std::vector<double>& t = blocks.nodes_1d();
-  std::vector<double> width(n, 0.0);
-  for (int i = 0; i < q; ++i) {
-    width[i] += 0.5 * (t[i + 1] - t[i]);
-    width[i + 1] += 0.5 * (t[i + 1] - t[i]);
-  }
-  blocks.for_lattice_edges([&](int b, int d, const std::array<int, 3>& ijk, int from, int to) {
-    const double length = blocks.lengths()[b][d];
-    const double weight = width[ijk[(d + 1) % 3]] * width[ijk[(d + 2) % 3]] /
-                          ((t[ijk[d] + 1] - t[ijk[d]]) * length * length * blocks.block_count());
-    f(from, to, weight);
-  });
-}
-
-/// Approximate inverse of the energy's Hessian: the inverse Laplacian at degree 2; above, that between interpolations
-/// plus a damped Jacobi step (two levels).
-class Preconditioner {
+/// The last steps of L-BFGS and the changes of the gradient along them, oldest first.
+class StepMemory {
  public:
-  Preconditioner(const PolynomialBlocks& blocks, const BlockProblem& problem, const BlockTopology& topology) {
-    PolynomialBlocks coarse(problem, topology, 2);
-    coarse.adopt_lengths(blocks);
-    factorise(coarse);
-    if (blocks.degree() == 2) {
-      return;
+  struct Step {
+    Points move, change;
+    double curvature = 0;  ///< move . change
+    double alpha = 0;      ///< of the loop over the steps that is under way
+  };
+
+  bool empty() const { return count_ == 0; }
+  void clear() { count_ = 0; }
+  /// Takes the step from x to y in if it goes uphill in the gradient; null if not.
+  const Step* add(const Points& x, const Points& y, const Points& gradient_x, const Points& gradient_y) {
+    Step& s = step(count_);  // one slot more than steps: a step that is not taken leaves the others alone
+    s.move = y - x;
+    s.change = gradient_y - gradient_x;
+    s.curvature = dot(s.move, s.change);
+    if (!(s.curvature > 1e-14 * s.move.norm() * s.change.norm())) {
+      return nullptr;
     }
-    const int n = blocks.degree() + 1;
-    const std::vector<double> values = lagrange_values(coarse.nodes_1d(), blocks.nodes_1d());
-    std::vector<Eigen::Triplet<double>> entries;
-    std::vector<char> done(blocks.x.rows(), 0);
-    for (int b = 0; b < blocks.block_count(); ++b) {
-      for (int at = 0; at < n * n * n; ++at) {
-        const int node = blocks.id(b, at);
-        if (done[node] || blocks.kinds()[node] == NodeKind::fixed) {
-          continue;
-        }
-        done[node] = 1;
-        for (int c = 0; c < 27; ++c) {
-          const double w =
-              values[at % n * 3 + c % 3] * values[at / n % n * 3 + c / 3 % 3] * values[at / n / n * 3 + c / 9];
-          const int below = coarse.id(b, c);
-          if (std::abs(w) > 1e-13 && coarse.kinds()[below] != NodeKind::fixed) {
-            entries.emplace_back(node, below, w);
-          }
-        }
-      }
+    if (count_ == kMemory) {
+      first_ = (first_ + 1) % kSlots;
+    } else {
+      ++count_;
     }
-    interpolation_.resize(blocks.x.rows(), coarse.x.rows());
-    interpolation_.setFromTriplets(entries.begin(), entries.end());
-    restriction_ = interpolation_.transpose();
-    jacobi_ = Eigen::VectorXd::Zero(blocks.x.rows());
-    for_laplacian_edges(blocks, [&](int a, int b, double w) {
-      jacobi_[a] += w;
-      jacobi_[b] += w;
-    });
-    for (int i = 0; i < jacobi_.size(); ++i) {
-      jacobi_[i] = blocks.kinds()[i] == NodeKind::fixed ? 0.0 : 0.5 / jacobi_[i];
+    return &s;
+  }
+  /// The loops before and after the initial Hessian's inverse is applied.
+  void before(Points& p) {
+    for (int i = count_; i-- > 0;) {
+      Step& s = step(i);
+      s.alpha = dot(s.move, p) / s.curvature;
+      p -= s.alpha * s.change;
     }
   }
-
-  Points apply(const Points& g) const {
-    if (jacobi_.size() == 0) {
-      return solver_.solve(g);
+  void after(Points& p) {
+    for (int i = 0; i < count_; ++i) {
+      Step& s = step(i);
+      p += (s.alpha - dot(s.change, p) / s.curvature) * s.move;
     }
-    const Points below = solver_.solve(Points(restriction_ * g));
-    Points z = interpolation_ * below;
-    z += jacobi_.asDiagonal() * g;
-    return z;
   }
 
  private:
-  void factorise(const PolynomialBlocks& blocks) {
-    std::vector<Eigen::Triplet<double>> entries;
-    const auto& kinds = blocks.kinds();
-    double scale = 0;
-    for_laplacian_edges(blocks, [&](int a, int b, double w) {
-      const bool fixed_a = kinds[a] == NodeKind::fixed, fixed_b = kinds[b] == NodeKind::fixed;
-      scale = std::max(scale, w);
-      if (!fixed_a) {
-        entries.emplace_back(a, a, w);
-      }
-      if (!fixed_b) {
-        entries.emplace_back(b, b, w);
-      }
-      if (!fixed_a && !fixed_b) {
-        entries.emplace_back(std::max(a, b), std::min(a, b), -w);
-      }
-    });
-    // blocks without any section would leave the Laplacian singular
-    for (int i = 0; i < blocks.x.rows(); ++i) {
-      entries.emplace_back(i, i, kinds[i] == NodeKind::fixed ? scale : 1e-6 * scale);
-    }
-    Eigen::SparseMatrix<double> matrix(blocks.x.rows(), blocks.x.rows());
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    solver_.compute(matrix);
-  }
+  static constexpr int kMemory = 10;
+  static constexpr int kSlots = kMemory + 1;
+  Step& step(int i) { return steps_[(first_ + i) % kSlots]; }
 
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver_;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> interpolation_, restriction_;
-  Eigen::VectorXd jacobi_;
+  std::array<Step, kSlots> steps_;
+  int first_ = 0, count_ = 0;
 };
 
 /// L-BFGS with memory 10 [Nocedal & Wright, alg. 7.4] in the tangent space of the wall; every trial is retracted.
-/// Stops when the energy falls by less than `tolerance` (relative) four times in a row.
-void minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, const EnergyTerms& terms,
-              int iterations, double tolerance) {
-  constexpr std::size_t kMemory = 10;
+/// Stops when the energy falls by less than `tolerance` (relative) four times in a row. With `patience` > 0 it ends
+/// at the iterate of the greatest least scaled Jacobian, which swings while the energy falls, and stops when that has
+/// not risen by .002 for so many iterations.
+void minimise(PolynomialBlocks& blocks, Preconditioner& preconditioner, const EnergyTerms& terms, int iterations,
+              double tolerance, int patience) {
   const double longest_step = 0.15 * blocks.mean_length();
-  Points gradient, trial, trial_gradient;
+  // above degree 2 the blocks come from a lower degree and have not far to go
+  const double first_step = (blocks.degree() == 2 ? 0.1 : 0.01) * blocks.mean_length();
+  Points gradient, trial, trial_gradient, p, other;
   blocks.retract(blocks.x);
   Energy e = blocks.energy(blocks.x, terms, &gradient);
-  std::deque<Points> moves, changes;
-  std::deque<double> rho;
+  StepMemory memory;
+  Points best = blocks.x;
+  double best_jacobian = e.min_jacobian, mark = best_jacobian;
   double scale = 1;
-  int stalls = 0;
+  int stalls = 0, idle = 0;
   for (int done = 0; done < iterations; ++done) {
-    Points p = -gradient;
-    std::vector<double> alpha(moves.size());
-    for (std::size_t i = moves.size(); i-- > 0;) {
-      alpha[i] = rho[i] * dot(moves[i], p);
-      p -= alpha[i] * changes[i];
-    }
-    p = preconditioner.apply(p);
+    other = -gradient;
+    memory.before(other);
+    preconditioner.apply(other, p);
     blocks.make_tangential(p);
-    p *= moves.empty() ? 0.1 * blocks.mean_length() / std::max(1e-300, largest_row(p)) : scale;
-    for (std::size_t i = 0; i < moves.size(); ++i) {
-      p += (alpha[i] - rho[i] * dot(changes[i], p)) * moves[i];
-    }
-    const auto forget = [&] {
-      moves.clear();
-      changes.clear();
-      rho.clear();
-    };
+    p *= memory.empty() ? first_step / std::max(1e-300, largest_row(p)) : scale;
+    memory.after(p);
     const double slope = dot(gradient, p);
     if (!(slope < 0)) {
-      if (moves.empty()) {
+      if (memory.empty()) {
         break;
       }
-      forget();
+      memory.clear();
       continue;
     }
     double step = std::min(1.0, longest_step / largest_row(p));
@@ -171,41 +109,43 @@ void minimise(PolynomialBlocks& blocks, const Preconditioner& preconditioner, co
       next = blocks.energy(trial, terms, &trial_gradient);
       accepted = std::isfinite(next.value) && next.value < e.value + 1e-4 * step * slope;
       if (!accepted) {
-        step *= 0.4;
+        // to the least of the parabola through both values
+        const double rise = next.value - e.value - step * slope;
+        step *= std::isfinite(rise) ? std::clamp(-0.5 * step * slope / rise, 0.1, 0.5) : 0.1;
       }
     }
     if (!accepted) {
       blocks.set_normals(normals);
-      if (moves.empty()) {
+      if (memory.empty()) {
         break;
       }
-      forget();
+      memory.clear();
       continue;
     }
-    Points move = trial - blocks.x, change = trial_gradient - gradient;
-    const double curvature = dot(move, change);
-    if (curvature > 1e-14 * move.norm() * change.norm()) {
-      if (done <= 3 || done % 4 == 0) {  // the scale changes slowly, and costs an application
-        Points h = preconditioner.apply(change);
-        blocks.make_tangential(h);
-        scale = curvature / std::max(1e-300, dot(change, h));
-      }
-      moves.push_back(std::move(move));
-      changes.push_back(std::move(change));
-      rho.push_back(1 / curvature);
-      if (moves.size() > kMemory) {
-        moves.pop_front();
-        changes.pop_front();
-        rho.pop_front();
-      }
+    const StepMemory::Step* last = memory.add(blocks.x, trial, gradient, trial_gradient);
+    if (last && (done <= 3 || done % 4 == 0)) {  // the scale changes slowly, and costs an application
+      preconditioner.apply(last->change, other);
+      blocks.make_tangential(other);
+      scale = last->curvature / std::max(1e-300, dot(last->change, other));
     }
     stalls = e.value - next.value < tolerance * std::abs(e.value) ? stalls + 1 : 0;
-    blocks.x = trial;
-    gradient = trial_gradient;
+    std::swap(blocks.x, trial);
+    std::swap(gradient, trial_gradient);
     e = next;
-    if (stalls > 3) {
+    if (patience > 0) {
+      if (e.min_jacobian > best_jacobian) {
+        best_jacobian = e.min_jacobian;
+        best = blocks.x;
+      }
+      idle = e.min_jacobian > mark + 0.002 ? 0 : idle + 1;
+      mark = idle == 0 ? e.min_jacobian : mark;
+    }
+    if (stalls > 3 || (patience > 0 && idle >= patience)) {
       break;
     }
+  }
+  if (patience > 0) {
+    blocks.x = best;
   }
 }
 
@@ -232,10 +172,10 @@ class Optimiser {
     stage(2, 5, 8, 20);
     stage(3, 5, 8, 20);
     stage(kBlockDegree, 7, 16, 40);
-    BlockSolution solution = judge_blocks(blocks_.block_nodes());
+    BlockSolution solution = judge();
     for (int repair = 0; repair < 2 && !solution.certified; ++repair) {
       stage(kBlockDegree, 9, 16, 25);
-      BlockSolution next = judge_blocks(blocks_.block_nodes());
+      BlockSolution next = judge();
       if (next.is_better_than(solution)) {
         solution = std::move(next);
       }
@@ -244,16 +184,21 @@ class Optimiser {
   }
 
  private:
+  BlockSolution judge() {
+    blocks_.land();
+    return judge_blocks(blocks_.block_nodes());
+  }
+
   Energy measure(const EnergyTerms& terms) {
     blocks_.retract(blocks_.x);
     return blocks_.energy(blocks_.x, terms, nullptr);
   }
 
-  void minimise_here(const EnergyTerms& terms, int iterations, double tolerance) {
+  void minimise_here(const EnergyTerms& terms, int iterations, double tolerance, int patience = 0) {
     if (!preconditioner_) {
       preconditioner_.emplace(blocks_, problem_, topology_);
     }
-    minimise(blocks_, *preconditioner_, terms, iterations, tolerance);
+    minimise(blocks_, *preconditioner_, terms, iterations, tolerance, patience);
   }
 
   void update_lengths() {
@@ -308,7 +253,7 @@ class Optimiser {
     terms.jacobian_weight = 1;
     terms.power = power;
     terms.jacobian_goal = std::min(0.75, std::max(now.min_jacobian + 0.1, -0.5));
-    minimise_here(terms, iterations, 3e-4);
+    minimise_here(terms, iterations, 3e-4, degree == kBlockDegree ? 8 : 0);
   }
 
   const BlockProblem& problem_;

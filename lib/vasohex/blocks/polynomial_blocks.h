@@ -1,17 +1,15 @@
 #pragma once
 /// \file Internal to blocks/: the blocks of a BlockProblem as polynomials of one degree, and their energy.
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "vasohex/blocks/energy_kernel.h"
 #include "vasohex/blocks/optimise.h"
 #include "vasohex/blocks/topology.h"
+#include "vasohex/blocks/wall_model.h"
 #include "vasohex/core/node_family.h"
 #include "vasohex/core/reference_hex.h"
-#include "vasohex/surface/project.h"
 
 namespace vasohex {
 
@@ -53,44 +51,7 @@ inline constexpr double kWallWeight = 72;
 /// Topology, nodes, wall: everything the energy needs. The problem and the topology must outlive it.
 class PolynomialBlocks {
  public:
-  PolynomialBlocks(const BlockProblem& problem, const BlockTopology& topology, int degree)
-      : problem_(&problem), topology_(&topology), degree_(degree) {
-    nodes_1d_ = family_nodes(NodeFamily::gauss_lobatto, degree);
-    const LatticeNumbering numbering(topology, std::vector<int>(topology.edges.size(), degree));
-    std::vector<int> block_ids;
-    for (std::size_t b = 0; b < topology.blocks.size(); ++b) {
-      numbering.block_nodes(static_cast<int>(b), block_ids);
-      ids_.insert(ids_.end(), block_ids.begin(), block_ids.end());
-    }
-    x = Points::Zero(numbering.node_count(), 3);
-    kinds_.assign(x.rows(), NodeKind::free);
-    std::vector<std::array<bool, 6>> is_section(topology.blocks.size(), {false, false, false, false, false, false});
-    for (const BlockProblem::Section& s : problem.sections) {
-      is_section[s.block][s.face] = true;
-    }
-    for (int b = 0; b < block_count(); ++b) {
-      for (int f = 0; f < 6; ++f) {
-        if (topology.face_block_count[topology.block_faces[b][f].face] == 1 && !is_section[b][f]) {
-          wall_faces_.push_back({b, f});
-          for_face(f, [&](int, int, int at) { kinds_[id(b, at)] = NodeKind::wall; });
-        }
-      }
-    }
-    for (const BlockProblem::Section& s : problem.sections) {
-      for_face(s.face, [&](int, int, int at) { kinds_[id(s.block, at)] = NodeKind::fixed; });
-    }
-    for (int i = 0; i < x.rows(); ++i) {
-      if (kinds_[i] == NodeKind::wall) {
-        wall_nodes_.push_back(i);
-      }
-    }
-    normals_ = Points::Zero(x.rows(), 3);
-    std::vector<double> middles;
-    for (int i = 0; i < degree; ++i) {
-      middles.push_back(0.5 * (nodes_1d_[i] + nodes_1d_[i + 1]));
-    }
-    wall_values_ = lagrange_values(nodes_1d_, middles);
-  }
+  PolynomialBlocks(const BlockProblem& problem, const BlockTopology& topology, int degree);
 
   Points x;  ///< [nodes][3] control points
 
@@ -106,115 +67,19 @@ class PolynomialBlocks {
   double mean_length() const { return mean_length_; }
 
   /// Trilinear blocks, sections placed, wall nodes shot from the vessels' axes, the shift carried inside.
-  void place() {
-    const int n = degree_ + 1;
-    for (int b = 0; b < block_count(); ++b) {
-      for (int at = 0; at < n * n * n; ++at) {
-        const std::array<double, 3> u{nodes_1d_[at % n], nodes_1d_[at / n % n], nodes_1d_[at / n / n]};
-        Vec3 p = Vec3::Zero();
-        for (int c = 0; c < 8; ++c) {
-          double w = 1;
-          for (int d = 0; d < 3; ++d) {
-            w *= (c >> d) & 1 ? u[d] : 1 - u[d];
-          }
-          p += w * problem_->vertices[problem_->blocks[b][c]];
-        }
-        x.row(id(b, at)) = p;
-      }
-    }
-    place_sections();
-    const Points before = x;
-    // Each wall node is aimed at from the axis of its block; where blocks of two axes meet, from the centre.
-    std::vector<int> aim(x.rows(), -1);
-    std::vector<char> shared(x.rows(), 0);
-    for (const auto& [b, f] : wall_faces_) {
-      const int mine = problem_->block_aim[b];
-      for_face(f, [&, b = b](int, int, int at) {
-        const int node = id(b, at);
-        if (aim[node] < 0) {
-          aim[node] = mine;
-        } else if (aim[node] != mine) {
-          shared[node] = 1;
-          if (problem_->aims[mine].axis.empty()) {
-            aim[node] = mine;
-          }
-        }
-      });
-    }
-    update_lengths();
-    for (const int i : wall_nodes_) {
-      const BlockProblem::Aim& from = problem_->aims[aim[i]];
-      const Vec3 p = x.row(i);
-      const Vec3 base = shared[i] || from.axis.empty() ? from.centre : nearest_on_axis(from.axis, p);
-      const Vec3 direction = p - base;
-      const double distance = direction.norm();
-      if (distance > 1e-9 * mean_length_) {
-        const double radius = problem_->surface->radius(base);
-        const auto t = shoot(*problem_->surface, base, direction / distance, radius, 4 * (radius + distance));
-        if (t) {
-          x.row(i) = base + *t * direction / distance;
-        }
-      }
-    }
-    retract(x);
-    carry_inside(before);
-    update_lengths();
-  }
+  void place();
 
   /// Puts the nodes of the fixed faces where their cross-sections are.
-  void place_sections() {
-    for (const BlockProblem::Section& s : problem_->sections) {
-      const int n = degree_ + 1;
-      for_face(s.face, [&](int, int, int at) {
-        x.row(id(s.block, at)) =
-            place_section_point(*problem_->surface, s.frame, s.quad, nodes_1d_[at % n], nodes_1d_[at / n % n]);
-      });
-    }
-  }
+  void place_sections();
 
-  /// Wall nodes onto the surface by Newton's method; remembers the normals there.
-  void retract(Points& y) {
-    const double reach = 0.5 * mean_length_;
-    for (const int i : wall_nodes_) {
-      Vec3 p = y.row(i), gradient;
-      for (int iteration = 0; iteration < 12; ++iteration) {
-        const double f = problem_->surface->value(p, gradient);
-        Vec3 step = -f / std::max(gradient.squaredNorm(), 1e-300) * gradient;
-        const double length = step.norm();
-        if (length > reach) {
-          step *= reach / length;
-        }
-        p += step;
-        if (length < 1e-7 * mean_length_) {
-          break;
-        }
-      }
-      y.row(i) = p;
-      const double g = gradient.norm();
-      normals_.row(i) = g > 0 ? Vec3(gradient / g) : Vec3(Vec3::UnitZ());
-    }
-  }
+  /// Wall nodes onto the wall's model by Newton's method; remembers the normals there.
+  void retract(Points& y);
+
+  /// Wall nodes onto the surface itself.
+  void land();
 
   /// Spreads how far wall nodes moved from `before` linearly along the blocks that end on the wall.
-  void carry_inside(const Points& before) {
-    const int n = degree_ + 1;
-    std::vector<char> done(x.rows(), 0);
-    for (const auto& [b, f] : wall_faces_) {
-      const int d = f / 2;
-      const int stride = d == 0 ? 1 : d == 1 ? n : n * n;
-      for (int at = 0; at < n * n * n; ++at) {
-        const int node = id(b, at);
-        if (done[node] || kinds_[node] != NodeKind::free) {
-          continue;
-        }
-        done[node] = 1;
-        const int position = at / stride % n;
-        const double part = f % 2 == 1 ? nodes_1d_[position] : 1 - nodes_1d_[position];
-        const int wall = id(b, at + ((f % 2 == 1 ? degree_ : 0) - position) * stride);
-        x.row(node) += part * (x.row(wall) - before.row(wall));
-      }
-    }
-  }
+  void carry_inside(const Points& before);
 
   /// Calls f(block, direction, lattice point, node there, next node along the direction) for every lattice edge.
   template <class F>
@@ -234,159 +99,28 @@ class PolynomialBlocks {
   }
 
   /// Target lengths: the mean length of a block's control edges per direction.
-  void update_lengths() {
-    const int n = degree_ + 1;
-    lengths_.assign(block_count(), {0, 0, 0});
-    inverse_lengths_.resize(3 * block_count());
-    mean_length_ = 0;
-    for_lattice_edges([&](int b, int d, const std::array<int, 3>&, int from, int to) {
-      lengths_[b][d] += (x.row(to) - x.row(from)).norm() / (n * n);
-    });
-    for (int b = 0; b < block_count(); ++b) {
-      for (int d = 0; d < 3; ++d) {
-        mean_length_ += lengths_[b][d] / (3 * block_count());
-        inverse_lengths_[3 * b + d] = 1 / lengths_[b][d];
-      }
-    }
-  }
+  void update_lengths();
 
   /// Takes over the target lengths of the same blocks at another degree.
-  void adopt_lengths(const PolynomialBlocks& other) {
-    lengths_ = other.lengths_;
-    inverse_lengths_ = other.inverse_lengths_;
-    mean_length_ = other.mean_length_;
-  }
+  void adopt_lengths(const PolynomialBlocks& other);
 
   /// Energy at y, whose wall nodes have just been retracted; the gradient lies in the wall and leaves sections alone.
-  Energy energy(const Points& y, const EnergyTerms& terms, Points* gradient) const {
-    if (gradient) {
-      gradient->setZero(y.rows(), 3);
-    }
-    kernel::DistortionInput in;
-    in.degree = degree_;
-    in.samples = terms.tables.samples;
-    in.value = terms.tables.value.data();
-    in.slope = terms.tables.slope.data();
-    in.blocks = block_count();
-    in.ids = ids_.data();
-    in.nodes = y.data();
-    in.inverse_length = inverse_lengths_.data();
-    in.shape_weight = terms.shape_weight;
-    in.jacobian_weight = terms.jacobian_weight;
-    in.epsilon = terms.epsilon;
-    in.jacobian_goal = terms.jacobian_goal;
-    in.power = terms.power;
-    const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
-    Energy e{out.energy + wall_distance(y, gradient), out.min_jacobian, out.min_det};
-    if (gradient) {
-      make_tangential(*gradient);
-    }
-    return e;
-  }
+  Energy energy(const Points& y, const EnergyTerms& terms, Points* gradient);
 
   /// Removes what would move fixed nodes or lead off the wall.
-  void make_tangential(Points& v) const {
-    for (const int i : wall_nodes_) {
-      v.row(i) -= normals_.row(i).dot(v.row(i)) * normals_.row(i);
-    }
-    for (int i = 0; i < v.rows(); ++i) {
-      if (kinds_[i] == NodeKind::fixed) {
-        v.row(i).setZero();
-      }
-    }
-  }
+  void make_tangential(Points& v) const;
 
   const Points& normals() const { return normals_; }
   void set_normals(const Points& n) { normals_ = n; }
 
   /// Laplace sweeps: every free or wall node halfway to the mean of its neighbours on the lattice (of wall nodes: on
   /// the wall and sections).
-  void smooth(int sweeps) {
-    std::vector<std::vector<int>> neighbours(x.rows());
-    for_lattice_edges([&](int, int, const std::array<int, 3>&, int from, int to) {
-      neighbours[from].push_back(to);
-      neighbours[to].push_back(from);
-    });
-    for (auto& list : neighbours) {
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-    }
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      Points y = x;
-      for (int i = 0; i < x.rows(); ++i) {
-        if (kinds_[i] == NodeKind::fixed) {
-          continue;
-        }
-        Vec3 sum = Vec3::Zero();
-        int count = 0;
-        for (const int j : neighbours[i]) {
-          if (kinds_[i] == NodeKind::free || kinds_[j] != NodeKind::free) {
-            sum += x.row(j).transpose();
-            ++count;
-          }
-        }
-        if (count > 0) {
-          y.row(i) = 0.5 * x.row(i) + 0.5 / count * sum.transpose();
-        }
-      }
-      retract(y);
-      x = y;
-    }
-  }
+  void smooth(int sweeps);
 
   /// The same blocks with a higher degree: sections and wall exact again.
-  PolynomialBlocks elevated(int degree) const {
-    PolynomialBlocks e(*problem_, *topology_, degree);
-    const int n = degree_ + 1, m = degree + 1;
-    const std::vector<double> values = lagrange_values(nodes_1d_, e.nodes_1d_);
-    std::vector<Vec3> a(m * n * n), c(m * m * n);
-    for (int b = 0; b < block_count(); ++b) {
-      for (int r = 0; r < n * n; ++r) {
-        for (int i = 0; i < m; ++i) {
-          a[i + m * r].setZero();
-          for (int s = 0; s < n; ++s) {
-            a[i + m * r] += values[i * n + s] * x.row(id(b, s + n * r)).transpose();
-          }
-        }
-      }
-      for (int k = 0; k < n; ++k) {
-        for (int j = 0; j < m; ++j) {
-          for (int i = 0; i < m; ++i) {
-            c[i + m * (j + m * k)].setZero();
-            for (int s = 0; s < n; ++s) {
-              c[i + m * (j + m * k)] += values[j * n + s] * a[i + m * (s + n * k)];
-            }
-          }
-        }
-      }
-      for (int at = 0; at < m * m * m; ++at) {
-        Vec3 p = Vec3::Zero();
-        for (int s = 0; s < n; ++s) {
-          p += values[at / m / m * n + s] * c[at % (m * m) + m * m * s];
-        }
-        e.x.row(e.id(b, at)) = p;
-      }
-    }
-    const Points before = e.x;
-    e.update_lengths();
-    e.place_sections();
-    e.retract(e.x);
-    e.carry_inside(before);
-    e.update_lengths();
-    return e;
-  }
+  PolynomialBlocks elevated(int degree) const;
 
-  std::vector<Vec3> block_nodes() const {
-    const int n = degree_ + 1;
-    std::vector<Vec3> all;
-    all.reserve(static_cast<std::size_t>(block_count()) * n * n * n);
-    for (int b = 0; b < block_count(); ++b) {
-      for (int at = 0; at < n * n * n; ++at) {
-        all.push_back(x.row(id(b, at)));
-      }
-    }
-    return all;
-  }
+  std::vector<Vec3> block_nodes() const;
 
  private:
   struct WallFace {
@@ -403,73 +137,8 @@ class PolynomialBlocks {
     }
   }
 
-  static Vec3 nearest_on_axis(const std::vector<Vec3>& axis, const Vec3& p) {
-    Vec3 best = axis.front();
-    double least = (p - best).squaredNorm();
-    for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
-      const Vec3 u = axis[i + 1] - axis[i];
-      const double t = std::clamp((p - axis[i]).dot(u) / std::max(u.squaredNorm(), 1e-300), 0.0, 1.0);
-      const Vec3 c = axis[i] + t * u;
-      if ((p - c).squaredNorm() < least) {
-        least = (p - c).squaredNorm();
-        best = c;
-      }
-    }
-    return best;
-  }
-
   /// kWallWeight * mean over samples between the wall nodes of (distance to the surface / block length)^2.
-  double wall_distance(const Points& y, Points* gradient) const {
-    const int n = degree_ + 1, m = degree_;
-    constexpr int kMost = kBlockDegree + 1;
-    double total = 0;
-    const double samples = static_cast<double>(wall_faces_.size()) * m * m;
-    for (const auto& [b, f] : wall_faces_) {
-      const double length = (lengths_[b][0] + lengths_[b][1] + lengths_[b][2]) / 3;
-      const double weight = kWallWeight / (samples * length * length);
-      std::array<int, kMost * kMost> ids;
-      std::array<Vec3, kMost * kMost> along, g_along;
-      for_face(f, [&, b = b](int s, int t, int at) { ids[s + n * t] = id(b, at); });
-      for (int t = 0; t < n; ++t) {
-        for (int s = 0; s < m; ++s) {
-          Vec3 p = Vec3::Zero();
-          for (int i = 0; i < n; ++i) {
-            p += wall_values_[s * n + i] * y.row(ids[i + n * t]).transpose();
-          }
-          along[s + m * t] = p;
-          g_along[s + m * t].setZero();
-        }
-      }
-      for (int t = 0; t < m; ++t) {
-        for (int s = 0; s < m; ++s) {
-          Vec3 p = Vec3::Zero(), g;
-          for (int j = 0; j < n; ++j) {
-            p += wall_values_[t * n + j] * along[s + m * j];
-          }
-          const double value = problem_->surface->value(p, g);
-          const double g2 = std::max(g.squaredNorm(), 1e-300);
-          total += weight * value * value / g2;
-          if (gradient) {
-            // the change of |gradient| is of second order in the distance and left out
-            const Vec3 slope = 2 * weight * value / g2 * g;
-            for (int j = 0; j < n; ++j) {
-              g_along[s + m * j] += wall_values_[t * n + j] * slope;
-            }
-          }
-        }
-      }
-      if (gradient) {
-        for (int t = 0; t < n; ++t) {
-          for (int s = 0; s < m; ++s) {
-            for (int i = 0; i < n; ++i) {
-              gradient->row(ids[i + n * t]) += wall_values_[s * n + i] * g_along[s + m * t].transpose();
-            }
-          }
-        }
-      }
-    }
-    return total;
-  }
+  double wall_distance(const Points& y, Points* gradient);
 
   const BlockProblem* problem_;
   const BlockTopology* topology_;
@@ -479,6 +148,7 @@ class PolynomialBlocks {
   std::vector<NodeKind> kinds_;
   std::vector<WallFace> wall_faces_;
   std::vector<int> wall_nodes_;
+  WallModel wall_;  ///< of the wall nodes, then of the samples between them
   Points normals_;
   std::vector<double> wall_values_;  ///< [degree][degree + 1]: between the nodes
   std::vector<std::array<double, 3>> lengths_;
