@@ -283,6 +283,22 @@ Meeting refined(const Network& network, const Meeting& start) {
 
 double Meeting::relative() const { return gap / std::min(radii[0], radii[1]); }
 
+Vec3 place_of(const Network& network, const Meeting& m) {
+  const Vec3 a = axis_point(network.branches[m.branches[0]], m.arcs[0]).position;
+  const Vec3 b = axis_point(network.branches[m.branches[1]], m.arcs[1]).position;
+  return (m.radii[1] * a + m.radii[0] * b) / (m.radii[0] + m.radii[1]);
+}
+
+std::string who_meet(const Network& network, const Meeting& m) {
+  const auto points = [&](int branch) {
+    const std::array<int, 2>& nodes = network.branches[branch].nodes;
+    return "from point " + std::to_string(network.nodes[nodes[0]].point) + " to point " +
+           std::to_string(network.nodes[nodes[1]].point);
+  };
+  return m.branches[0] == m.branches[1] ? "two turns of the vessel " + points(m.branches[0])
+                                        : "the vessels " + points(m.branches[0]) + " and " + points(m.branches[1]);
+}
+
 std::vector<Contact> find_contacts(const Network& network) {
   const Stretches stretches(network);
   const BoxTree tree(stretches.all());

@@ -2,6 +2,7 @@
 /// \file Where vessels of a network are nearer to each other than they should be.
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "vasohex/skeleton/network.h"
@@ -17,6 +18,12 @@ struct Meeting {
   /// The gap over the smaller radius.
   double relative() const;
 };
+
+/// Where: between the two axes, on the wall of each if they just touch.
+Vec3 place_of(const Network& network, const Meeting& meeting);
+
+/// For messages: `the vessels from point 3 to point 7 and from point 9 to point 12`.
+std::string who_meet(const Network& network, const Meeting& meeting);
 
 enum class ContactKind {
   passing,       ///< vessels that meet where no junction explains it: they pass, cross, or one coils onto itself

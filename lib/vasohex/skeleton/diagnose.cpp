@@ -93,21 +93,14 @@ bool is_covered(const Branch& branch, std::vector<double> inside) {
 
 Finding contact_finding(const Network& network, const Contact& contact) {
   const Meeting& m = contact.worst;
-  std::array<Vec3, 2> x;
-  for (int k = 0; k < 2; ++k) {
-    x[k] = axis_point(network.branches[m.branches[k]], m.arcs[k]).position;
-  }
   Finding f;
   f.branches = m.branches;
-  f.at = (m.radii[1] * x[0] + m.radii[0] * x[1]) / (m.radii[0] + m.radii[1]);
+  f.at = place_of(network, m);
   f.figure = std::abs(m.relative());
   const std::string radii = short_text(m.radii[0]) + " and " + short_text(m.radii[1]);
-  const bool self = m.branches[0] == m.branches[1];
-  const std::string who =
-      self ? "two turns of " + vessel(network, m.branches[0])
-           : vessel(network, m.branches[0]) + " and " + vessel(network, m.branches[1]).substr(4);  // without `the `
+  const std::string who = who_meet(network, m);
   const std::string depth = " by " + rounded(f.figure) + " of the smaller radius at " + place(f.at) + " (radii " +
-                            radii + ", axes " + short_text((x[0] - x[1]).norm()) + " apart)";
+                            radii + ", axes " + short_text(m.gap + m.radii[0] + m.radii[1]) + " apart)";
   switch (contact.kind) {
     case ContactKind::passing:
       if (m.gap < 0) {

@@ -153,16 +153,8 @@ class Parting {
 };
 
 std::string vessels(const Network& network, const Meeting& m) {
-  const auto points = [&](int branch) {
-    const std::array<int, 2>& nodes = network.branches[branch].nodes;
-    return "from point " + std::to_string(network.nodes[nodes[0]].point) + " to point " +
-           std::to_string(network.nodes[nodes[1]].point);
-  };
-  const Vec3 p = axis_point(network.branches[m.branches[0]], m.arcs[0]).position;
-  const std::string who = m.branches[0] == m.branches[1]
-                              ? "turns of the vessel " + points(m.branches[0])
-                              : "the vessels " + points(m.branches[0]) + " and " + points(m.branches[1]);
-  return who + " at (" + short_text(p.x()) + " " + short_text(p.y()) + " " + short_text(p.z()) + ")";
+  const Vec3 p = place_of(network, m);
+  return who_meet(network, m) + " at (" + short_text(p.x()) + " " + short_text(p.y()) + " " + short_text(p.z()) + ")";
 }
 
 std::string percent(double part) { return short_text(std::round(1000 * part) / 10) + " %"; }
