@@ -168,15 +168,29 @@ TEST(Diagnose, Hairpin) {
 }
 
 TEST(Diagnose, BendSharperThanItsRadius) {
-  const auto bend = [](double radius) {
-    return curve(
-        [=](double t) { return Vec3(radius * std::cos(4 * t / radius), radius * std::sin(4 * t / radius), 0); }, 1,
-        12, false);
+  const auto bend = [](double bend_radius) {  // a quarter circle; build_network would soften it
+    Network n;
+    n.nodes = {{Vec3(bend_radius, 0, 0), 1, 1, 0, false, "inlet"},
+               {Vec3(0, bend_radius, 0), 1, 1, 1, false, "outlet"}};
+    Branch b;
+    b.nodes = {0, 1};
+    for (int i = 0; i <= 40; ++i) {
+      const double a = kPi / 2 * i / 40;
+      b.points.push_back(Vec3(bend_radius * std::cos(a), bend_radius * std::sin(a), 0));
+      b.tangents.push_back(Vec3(-std::sin(a), std::cos(a), 0));
+      b.radii.push_back(1);
+      b.arc.push_back(bend_radius * a);
+    }
+    n.branches = {b};
+    return diagnose(n);
   };
-  const auto sharp = findings_of(bend(1.04));
-  EXPECT_EQ(count(findings_of(bend(1.3)), FindingKind::sharp_bend), 0);
-  for (const Finding& f : sharp) {
-    EXPECT_EQ(f.severity, f.figure > 1 ? Severity::error : Severity::warning);
+  EXPECT_TRUE(bend(1.15).empty());
+  for (const double radius : {1.05, .8}) {
+    const auto f = bend(radius);
+    ASSERT_EQ(f.size(), 1u) << listed(f);
+    EXPECT_EQ(f[0].kind, FindingKind::sharp_bend);
+    EXPECT_EQ(f[0].severity, radius < 1 ? Severity::error : Severity::warning);
+    EXPECT_NEAR(f[0].figure, 1 / radius, 1e-3);
   }
 }
 
@@ -289,7 +303,7 @@ TEST(Repair, CrossingTubesAreCertified) {
   options.repair = true;
   options.grading.elements = 2;
   options.mesh.order = 2;
-  for (const double distance : {1.2, .3}) {
+  for (const double distance : {1.4, 1.2, .9, .6, .3}) {
     const SkeletonMesh m = mesh_skeleton(crossing(distance), options);
     EXPECT_TRUE(m.findings.empty());
     EXPECT_EQ(measure_quality(m.result.mesh).certified, m.result.mesh.element_count()) << distance;
