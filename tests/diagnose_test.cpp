@@ -108,6 +108,16 @@ TEST(Diagnose, ParallelTubes) {
   }
 }
 
+TEST(Diagnose, EndInAnotherVessel) {
+  const Skeleton s = both(straight(Vec3::Zero(), Vec3::UnitX(), 20, 1),
+                          straight(Vec3(0, 5.5, 0), Vec3::UnitY(), 10, .5), Vec3::Zero());
+  const auto f = findings_of(s);
+  ASSERT_EQ(f.size(), 1u) << listed(f);
+  EXPECT_EQ(f[0].kind, FindingKind::overlap);
+  EXPECT_EQ(f[0].point, 21);
+  EXPECT_NE(f[0].cure.find("ends there, at point 21: join it"), std::string::npos) << f[0].cure;
+}
+
 TEST(Diagnose, CoilThatTouchesItself) {
   const auto coil = [](double pitch) {
     return curve([=](double t) { return Vec3(4 * std::cos(6 * kPi * t), 4 * std::sin(6 * kPi * t), 3 * pitch * t); },

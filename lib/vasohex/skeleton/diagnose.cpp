@@ -116,6 +116,19 @@ Finding contact_finding(const Network& network, const Contact& contact) {
                  " of the smaller radius (radii " + radii + ")";
         f.cure = "nothing, if the gap is meant; else as for overlaps, or --repair";
       }
+      // a broken connection, more often than not
+      for (int k = 0; k < 2; ++k) {
+        const Branch& branch = network.branches[m.branches[k]];
+        for (int end = 0; end < 2; ++end) {
+          const NetworkNode& node = network.nodes[branch.nodes[end]];
+          const double to_end = end == 0 ? m.arcs[k] : branch.length() - m.arcs[k];
+          if (node.degree == 1 && to_end < 1.5 * m.radii[k]) {
+            f.point = node.point;
+            f.cure = "a vessel ends there, at point " + std::to_string(node.point) +
+                     ": join it to the other one if blood flows between them, or shorten it";
+          }
+        }
+      }
       break;
     case ContactKind::hairpin:
       f.kind = FindingKind::hairpin;
