@@ -315,12 +315,17 @@ std::vector<Contact> find_contacts(const Network& network) {
     });
   }
   std::sort(pairs.begin(), pairs.end());
+  std::vector<std::size_t> first(count + 1, 0);  // pair of each stretch
+  for (const Pair& p : pairs) {
+    ++first[p.a + 1];
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
   const auto find = [&](int a, int b) {
-    Pair key;
-    key.a = std::min(a, b);
-    key.b = std::max(a, b);
-    const auto it = std::lower_bound(pairs.begin(), pairs.end(), key);
-    return it != pairs.end() && it->a == key.a && it->b == key.b ? static_cast<int>(it - pairs.begin()) : -1;
+    const auto begin = pairs.begin() + static_cast<std::ptrdiff_t>(first[std::min(a, b)]);
+    const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(first[std::min(a, b) + 1]);
+    const int other = std::max(a, b);
+    const auto it = std::lower_bound(begin, end, other, [](const Pair& p, int value) { return p.b < value; });
+    return it != end && it->b == other ? static_cast<int>(it - pairs.begin()) : -1;
   };
   // Calls `step` with the pairs next to a pair: one or both of its stretches replaced by a neighbour
   const auto for_neighbours = [&](int pair, const auto& step) {
