@@ -15,6 +15,13 @@ SWC = "1 0 0 0 0 1 -1\n2 0 0 0 5 1 1\n3 0 0 0 10 1 2\n"
 JSON = ('{"format": "vascular-graph-1", "points": [[0, 0, 0], [0, 0, 5], [0, 0, 10]], "radius": [1, 1, 1], '
         '"branches": [[0, 1, 2]]}')
 
+# two tubes that cross: axes 0.9 apart, radii 1 and 0.5
+CROSSING = ('{"format": "vascular-graph-1", "units": "mm", "points": ['
+            + ", ".join(f"[{x}, 0, 0]" for x in range(-9, 10)) + ", "
+            + ", ".join(f"[0, {y}, 0.9]" for y in range(-9, 10)) + '], "radius": ['
+            + ", ".join(["1"] * 19 + ["0.5"] * 19) + '], "branches": ['
+            + str(list(range(19))) + ", " + str(list(range(19, 38))) + "]}")
+
 # what is wrong, name of the file, its text (None: there is none), what the message must name
 BAD_INPUTS = (
     ("empty file", "a.swc", "", ["a.swc"]),
@@ -245,6 +252,33 @@ class Cli(unittest.TestCase):
         self.assertEqual([end["name"] for end in figures["ends"]], ["inlet", "outlet_1", "outlet_2"])
         out = self.run_well("info", MESHES / "willis_cycle.json")
         self.assertIn("1 component(s), 1 loop(s)", out)
+
+    def test_findings(self):
+        (self.folder / "a.json").write_text(CROSSING)
+        out = self.run_well("info", "a.json", "--json", "i.json")
+        self.assertIn("1 place where vessels overlap:", out)
+        self.assertIn("error: the vessels from point 0 to point 18 and from point 19 to point 37 overlap by 1.2", out)
+        self.assertIn("what helps: ", out)
+        finding, = json.loads((self.folder / "i.json").read_text())["findings"]
+        self.assertEqual((finding["kind"], finding["severity"], finding["branches"]), ("overlap", "error", [0, 1]))
+        self.assertAlmostEqual(finding["figure"], 1.2, places=3)
+        self.assertAlmostEqual(finding["at"][2], 0.6, places=3)
+        self.assertLessEqual({"text", "cure"}, set(finding))
+        self.assertNotIn("overlap", self.run_well("info", HELIX))
+        for command, arguments in (("mesh", ["-n", 1]), ("blocks", [])):
+            with self.subTest(command):
+                result = vasohex(command, "a.json", "-o", "o.vtu", *arguments, cwd=self.folder)
+                self.assertRegex(result.stderr, r"\A1 place where vessels overlap; [^\n]*their meshes overlap there; "
+                                 r"see vasohex info, or use --repair\n\Z")
+                self.assertNotIn("thinner", result.stdout)
+                self.assertEqual(vasohex(command, "a.json", "-o", "o.vtu", "-q", *arguments, cwd=self.folder).stderr, "")
+                self.assertIn("thinner there by up to 4", self.run_well(command, "a.json", "-o", "o.vtu", "--repair",
+                                                                       *arguments))
+        self.run_well("mesh", "a.json", "-o", "o.vtu", "-n", 1, "--repair", "--json", "m.json")
+        figures = json.loads((self.folder / "m.json").read_text())
+        self.assertEqual(figures["findings"], [])
+        self.assertEqual(sum("thinner" in line for line in figures["repairs"]), 1)
+        self.assertEqual(figures["validity"]["certified"], figures["elements"])
 
     def test_blocks(self):
         out = self.run_well("blocks", ILIAC, "-o", "a.vtu", "-o", "a.json")

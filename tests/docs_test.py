@@ -93,8 +93,10 @@ class Docs(unittest.TestCase):
             rows = first_column(section(f"JSON of vasohex {command}"))
             written[command] = set().union(*(expanded(row) for row in rows))
         made = {command: set() for command in written}
-        for name in ("helix.swc", "trifurcation.json"):
-            skeleton = str(SOURCE / "meshes" / name)
+        stub = self.folder / "stub.swc"  # something to find: a side branch that ends inside its parent
+        stub.write_text("1 0 0 0 -5 1 -1\n2 0 0 0 0 1 1\n3 0 0 0 5 1 2\n4 0 0 0.6 0 0.3 2\n")
+        meshes = SOURCE / "meshes"
+        for skeleton in map(str, (meshes / "helix.swc", meshes / "trifurcation.json", stub)):
             for command, arguments in (("mesh", [skeleton, "-o", "a.msh", "--layers", "1", "--json"]),
                                        ("check", ["a.msh", "--json"]), ("info", [skeleton, "--json"]),
                                        ("blocks", [skeleton, "-o"])):

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "findings.h"
 #include "mesh_options.h"
 #include "option_checks.h"
 #include "report.h"
@@ -70,6 +71,9 @@ void run_blocks(BlocksCommand& c, Common& common) {
   c.options.mesh.order = 4;
   const SkeletonMesh m = with_context(c.input.path, [&] { return mesh_skeleton(skeleton, c.options, run); });
   common.end_progress();
+  if (!common.quiet) {
+    std::fprintf(stderr, "%s", findings_summary(m.findings, c.options.repair).c_str());
+  }
   for (const std::string& output : c.outputs) {
     if (extension(output) == ".json") {
       write_json(blocks_json(m), output);
@@ -81,6 +85,9 @@ void run_blocks(BlocksCommand& c, Common& common) {
   }
   const int count = static_cast<int>(m.blocks.blocks.size());
   if (!common.quiet) {
+    for (const std::string& repair : m.network.repairs) {
+      std::printf("%s\n", repair.c_str());
+    }
     std::printf("%s: %d blocks of degree %d, %d certified, least scaled Jacobian %.3f\n", c.input.path.c_str(), count,
                 m.blocks.degree, m.blocks.certified, m.blocks.min_jacobian);
     std::printf("  sheets:");
@@ -110,6 +117,7 @@ void add_blocks_command(CLI::App& app, Common& common) {
   c->input.add_to(*command);
   command->add_option("-o,--output", c->outputs,
                       "Block file: .vtu (to look at) or .json; may be given several times");
+  SkeletonInput::add_repair(*command, c->options);
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
       ->check(positive_number())
       ->capture_default_str();

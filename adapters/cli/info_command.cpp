@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "findings.h"
 #include "mesh_options.h"
 #include "option_checks.h"
 #include "report.h"
@@ -26,6 +27,7 @@ void run_info(const InfoCommand& c, Common& common) {
   const Skeleton skeleton = c.input.read(options);
   const Run run = common.run();
   const Network network = with_context(c.input.path, [&] { return build_network(skeleton, options, run); });
+  const std::vector<Finding> findings = diagnose(network);
   const NetworkCounts counts = count(network);
   std::map<int, int> degrees;
   double length = 0, least = network.branches[0].radii[0], most = least;
@@ -65,6 +67,7 @@ void run_info(const InfoCommand& c, Common& common) {
   j["radius"] = {{"min", least}, {"max", most}};
   j["box"] = {{"min", xyz(box.min)}, {"max", xyz(box.max)}};
   j["repairs"] = network.repairs;
+  j["findings"] = findings_json(findings);
   if (!c.json.empty()) {
     write_json(j, c.json);
   }
@@ -89,6 +92,7 @@ void run_info(const InfoCommand& c, Common& common) {
   for (const std::string& repair : network.repairs) {
     std::printf("  %s\n", repair.c_str());
   }
+  std::printf("%s", findings_text(findings).c_str());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "findings.h"
 #include "gmsh/write_msh.h"
 #include "mesh_options.h"
 #include "option_checks.h"
@@ -117,6 +118,9 @@ void run_mesh(MeshCommand& c, Common& common) {
   }
   const double write_seconds = writing.seconds();
   common.end_progress();
+  if (!common.quiet) {
+    std::fprintf(stderr, "%s", findings_summary(m.findings, c.options.repair).c_str());
+  }
   const NetworkCounts counts = count(m.network);
   if (!c.json.empty()) {
     nlohmann::ordered_json j;
@@ -162,6 +166,7 @@ void run_mesh(MeshCommand& c, Common& common) {
                      {"shrunk_lines", m.result.shrunk_lines}};
     }
     j["repairs"] = m.network.repairs;
+    j["findings"] = findings_json(m.findings);
     j["seconds"] = {{"read", read_seconds},
                     {"surface", m.seconds["surface"]},
                     {"blocks", m.seconds["blocks"] - m.blocks.optimise_seconds},
@@ -238,6 +243,7 @@ void add_mesh_command(CLI::App& app, Common& common) {
   command->add_option("--nodes", c->nodes, "Nodes within an element")
       ->check(CLI::IsMember({"equispaced", "gauss_lobatto"}))
       ->capture_default_str();
+  SkeletonInput::add_repair(*command, c->options);
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
       ->check(positive_number())
       ->capture_default_str();

@@ -24,6 +24,11 @@ struct SkeletonInput {
         .add_option("--inlet", inlet, "Point of the skeleton (index from 0, in file order) whose end is the inlet")
         ->check(whole_number(0));
   }
+  static void add_repair(CLI::App& command, SkeletonMeshOptions& options) {
+    command.add_flag(
+        "--repair", options.repair,
+        "Part vessels that overlap or touch, leave out stray pieces and branches that end inside others");
+  }
   Skeleton read(NetworkOptions& options) const {
     Skeleton skeleton = read_skeleton(path);
     if (!units.empty()) {

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "vasohex/skeleton/own_frame.h"
+#include "vasohex/skeleton/repair.h"
 #include "vasohex/surface/moved_surface.h"
 
 namespace vasohex {
@@ -16,7 +17,9 @@ SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& 
     out.seconds[stage] = std::chrono::duration<double>(now - before).count();
     before = now;
   };
-  out.network = build_network(skeleton, options.network, run);
+  out.network = options.repair ? build_repaired_network(skeleton, options.network, run)
+                               : build_network(skeleton, options.network, run);
+  out.findings = diagnose(out.network);
   clear_ends(out.network);
   // The rest is done in the network's own frame: the same to the last bit wherever the network lies.
   const OwnFrame frame = own_frame(out.network);

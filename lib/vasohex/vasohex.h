@@ -4,17 +4,20 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "vasohex/blocks/build_blocks.h"
 #include "vasohex/grading/sheets.h"
 #include "vasohex/mesh/generate_mesh.h"
 #include "vasohex/skeleton/build_network.h"
+#include "vasohex/skeleton/diagnose.h"
 #include "vasohex/surface/convolution.h"
 
 namespace vasohex {
 
 struct SkeletonMeshOptions {
   NetworkOptions network;
+  bool repair = false;  ///< as build_repaired_network: vessels that overlap are parted, stray pieces left out
   ConvolutionOptions surface;
   BlockOptions blocks;
   Grading grading;
@@ -24,6 +27,7 @@ struct SkeletonMeshOptions {
 /// What each stage made, for whoever wants more than the mesh.
 struct SkeletonMesh {
   Network network;
+  std::vector<Finding> findings;  ///< what diagnose says of the network that was meshed
   std::unique_ptr<ImplicitSurface> surface;
   BlockStructure blocks;
   Sheets sheets;

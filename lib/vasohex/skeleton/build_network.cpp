@@ -18,8 +18,7 @@ namespace {
 constexpr double kLargestBend = 40 * std::numbers::pi / 180;    // of a vessel that goes straight on at a junction
 constexpr double kClearlyBest = 15 * std::numbers::pi / 180;    // no other pair may come that close
 constexpr double kRadiusPenalty = 30 * std::numbers::pi / 180;  // per factor e between the radii
-constexpr double kWiderNode = 1.15;     // a node this much wider than its branch says nothing about the branch
-constexpr double kSharpBend = 1 / 1.1;  // radius over bend radius that is worth a note
+constexpr double kWiderNode = 1.15;  // a node this much wider than its branch says nothing about the branch
 
 /// A chain of points between two nodes, or around a closed curve (first and last point are the seam).
 struct Chain {
@@ -243,7 +242,7 @@ std::vector<T> oriented(const std::vector<T>& values, int side) {
 }
 
 void add_branches(const Skeleton& skeleton, const Topology& topology, Path path, std::vector<Branch>& branches,
-                  Changes& changes, std::vector<std::vector<std::string>>& notes) {
+                  Changes& changes) {
   const auto breaks_before = [&](std::size_t k) {  // the radius may jump between chain k - 1 and chain k
     const ChainEnd& before = path.chains[(k + path.chains.size() - 1) % path.chains.size()];
     return topology.chains[before.chain].narrowed[1 - before.side] ||
@@ -323,13 +322,7 @@ void add_branches(const Skeleton& skeleton, const Topology& topology, Path path,
     const auto [chain, side] = path.chains[k];
     const std::span<const double> at(spline.t.data() + starts[k], starts[k + 1] - starts[k] + 1);
     AxisPiece piece{starts[k], starts[k + 1], radii[k], monotone_slopes(at, radii[k])};
-    Bend bend;
-    std::array<double, 2> inside{};  // a junction, where the axis alone says nothing about the shape
-    for (int end = 0; end < 2; ++end) {
-      const NetworkNode& node = topology.nodes[topology.chains[chain].nodes[side == 0 ? end : 1 - end]];
-      inside[end] = node.degree > 2 ? skeleton.radii[node.point] : 0;
-    }
-    Branch branch = sample_axis(spline, piece, inside, bend);
+    Branch branch = sample_axis(spline, piece);
     if (side == 1) {
       std::reverse(branch.points.begin(), branch.points.end());
       std::reverse(branch.radii.begin(), branch.radii.end());
@@ -342,13 +335,6 @@ void add_branches(const Skeleton& skeleton, const Topology& topology, Path path,
       }
     }
     branch.nodes = topology.chains[chain].nodes;
-    if (bend.radius_over_curvature_radius > kSharpBend) {
-      notes[chain].push_back("note: the branch from " + place_of(skeleton, topology.chains[chain].points.front()) +
-                             " to " + place_of(skeleton, topology.chains[chain].points.back()) + " bends with " +
-                             short_text(1 / bend.radius_over_curvature_radius) + " times its radius at (" +
-                             short_text(bend.position.x()) + " " + short_text(bend.position.y()) + " " +
-                             short_text(bend.position.z()) + ")");
-    }
     branches[chain] = std::move(branch);
   }
 }
@@ -491,11 +477,10 @@ Network build_network(const Skeleton& input, const NetworkOptions& options, cons
   const std::vector<Path> paths = paths_of(topology, continuations(skeleton, topology));
 
   network.branches.resize(topology.chains.size());
-  std::vector<std::vector<std::string>> notes(topology.chains.size());
   Changes changes;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     run.progress("network", static_cast<double>(i) / static_cast<double>(paths.size()));
-    add_branches(skeleton, topology, paths[i], network.branches, changes, notes);
+    add_branches(skeleton, topology, paths[i], network.branches, changes);
   }
   network.nodes = std::move(topology.nodes);
   for (const Branch& branch : network.branches) {
@@ -515,9 +500,6 @@ Network build_network(const Skeleton& input, const NetworkOptions& options, cons
   report(changes.moved, 0.01, "smoothing moved points by up to ", 1, " radii");
   report(changes.smoothed, 0.01, "smoothing changed radii by up to ", 100, " %");
   report(changes.lowered, 0.01, "radii that change by more than 0.75 per length lowered by up to ", 100, " %");
-  for (const auto& lines : notes) {
-    network.repairs.insert(network.repairs.end(), lines.begin(), lines.end());
-  }
   give_names(skeleton, network);
   choose_names(skeleton, run, network);
   run.progress("network", 1);

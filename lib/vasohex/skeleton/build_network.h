@@ -38,7 +38,7 @@ struct NetworkOptions {
 ///   point, `outlet_1`, `outlet_2`, ...
 ///
 /// Every change of the input is a line in Network::repairs; lines that start with `note: ` are observations without a
-/// change (choice of an inlet, bends sharper than the radius). The result commutes with scaling and rigid motion.
+/// change (choice of an inlet). The result commutes with scaling and rigid motion.
 /// Throws Error (bad_input) if the skeleton cannot be used (see clean), or a name is not for an end, not unique or
 /// empty.
 Network build_network(const Skeleton& skeleton, const NetworkOptions& options = {}, const Run& run = {});

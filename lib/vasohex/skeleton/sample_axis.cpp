@@ -15,7 +15,6 @@ struct Cell {
   double arc = 0;           ///< arc length at its begin
   double need = 0;          ///< intervals needed up to its begin
   double need_per_arc = 0;  ///< largest within
-  Bend sharpest;
 };
 
 constexpr std::array<double, 3> kGaussPoints{0.11270166537925831, 0.5, 0.8872983346207417};
@@ -38,8 +37,7 @@ double radius_at(const SpaceSpline& spline, const AxisPiece& piece, std::size_t 
 
 }  // namespace
 
-Branch sample_axis(const SpaceSpline& spline, const AxisPiece& piece, const std::array<double, 2>& inside,
-                   Bend& bend) {
+Branch sample_axis(const SpaceSpline& spline, const AxisPiece& piece) {
   // Cells much finer than the samples
   std::vector<Cell> cells;
   double arc = 0, need = 0;
@@ -52,15 +50,12 @@ Branch sample_axis(const SpaceSpline& spline, const AxisPiece& piece, const std:
     const int count =
         static_cast<int>(std::clamp(std::ceil(h * std::max(10 / r, 20 * std::min(bent, 10 / r))), 2.0, 1e4));
     for (int c = 0; c < count; ++c) {
-      Cell cell{knot, spline.t[knot] + h * c / count, h / count, arc, need, 0, {}};
+      Cell cell{knot, spline.t[knot] + h * c / count, h / count, arc, need, 0};
       for (int g = 0; g < 5; ++g) {  // both ends and the Gauss points
         const double u = g == 0 ? 0 : g == 4 ? 1 : kGaussPoints[g - 1];
         const double t = cell.begin + u * cell.length;
         const SpaceSpline::Value value = spline.at(knot, t);
         const double radius = radius_at(spline, piece, knot, t), kappa = curvature(value);
-        if (kappa * radius > cell.sharpest.radius_over_curvature_radius) {
-          cell.sharpest = {kappa * radius, value.position};
-        }
         const double per_arc = std::max(2 / radius, 4 * std::min(kappa, 10 / radius));
         cell.need_per_arc = std::max(cell.need_per_arc, per_arc);
         if (g % 4 != 0) {
@@ -70,13 +65,6 @@ Branch sample_axis(const SpaceSpline& spline, const AxisPiece& piece, const std:
         }
       }
       cells.push_back(cell);
-    }
-  }
-  bend = Bend{};
-  for (const Cell& cell : cells) {
-    if (cell.arc >= inside[0] && cell.arc <= arc - inside[1] &&
-        cell.sharpest.radius_over_curvature_radius > bend.radius_over_curvature_radius) {
-      bend = cell.sharpest;
     }
   }
 
