@@ -11,6 +11,7 @@
 #include "vasohex/blocks/energy_kernel_isa.h"
 #include "vasohex/blocks/junction.h"
 #include "vasohex/blocks/topology.h"
+#include "vasohex/blocks/wall_model.h"
 #include "vasohex/core/node_family.h"
 #include "vasohex/core/reference_hex.h"
 #include "vasohex/vasohex.h"
@@ -228,6 +229,36 @@ TEST(Energy, IsTheSameForEveryInstructionSet) {
   std::vector<double> best(x.size(), 0.0), plain(x.size(), 0.0);
   EXPECT_EQ(kernel::distortion(in, best.data()).energy, kernel::baseline::distortion(in, plain.data()).energy);
   EXPECT_EQ(best, plain);
+}
+
+TEST(WallModel, IsTheSurfaceToThirdOrder) {
+  struct Sphere final : ImplicitSurface {
+    mutable int looks = 0;
+    double value(const Vec3& x) const override { return x.norm() - 1; }
+    double value(const Vec3& x, Vec3& gradient) const override {
+      ++looks;
+      gradient = x.normalized();
+      return x.norm() - 1;
+    }
+    double radius(const Vec3&) const override { return 1; }
+  } sphere;
+  constexpr double kReach = 0.1;
+  WallModel wall(sphere, 2);
+  wall.set_reach(kReach);
+  const Vec3 start = Vec3(1, 2, -2) / 3, aside = Vec3(2, 1, 2) / 3;
+  Vec3 gradient;
+  EXPECT_EQ(wall.value(1, start, gradient), sphere.value(start));
+  for (const double part : {0.3, 0.99}) {
+    const Vec3 x = start + part * kReach * (0.8 * aside + 0.6 * start);
+    EXPECT_NEAR(wall.value(1, x, gradient), sphere.value(x), std::pow(kReach, 3) / 2);
+    EXPECT_LT((gradient - x.normalized()).norm(), kReach * kReach);
+  }
+  EXPECT_EQ(sphere.looks, 3);  // at the start, and twice beside it for the curvature
+  const Vec3 far = start + 1.01 * kReach * aside;
+  EXPECT_EQ(wall.value(1, far, gradient), sphere.value(far));
+  wall.forget();
+  EXPECT_EQ(wall.value(1, far, gradient), sphere.value(far));
+  EXPECT_EQ(sphere.looks, 5);
 }
 
 TEST(Junctions, ReachTheQualityOfTheDesign) {

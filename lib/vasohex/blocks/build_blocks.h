@@ -11,7 +11,7 @@ namespace vasohex {
 struct BlockOptions {
   double block_length = 2.0;   ///< of a branch's blocks, in local radii
   int candidates = 3;          ///< assignments of a junction's branches to the cube's faces that are tried
-  double good_jacobian = 0.5;  ///< scaled Jacobian that ends the search, if certified
+  double good_jacobian = 0.6;  ///< scaled Jacobian that ends the search, if certified
 };
 
 /// Lengthens branches whose free end lies inside the junction they come from, so that a cap fits; one line per branch

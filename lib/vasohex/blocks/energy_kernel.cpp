@@ -1,14 +1,23 @@
-// Compiled once per instruction set, VASOHEX_ISA names the namespace. The lanes of a vector are blocks.
+// Compiled once per instruction set, VASOHEX_ISA names the namespace. The lanes of a vector are blocks, as many as a
+// register holds; block b adds to sum b % 8, so the result does not depend on how many that is.
 
 #include "vasohex/blocks/energy_kernel_isa.h"
 
 namespace vasohex::kernel::VASOHEX_ISA {
 namespace {
 
+constexpr int kMostSamples = 9;  // per direction
+constexpr int kSums = 8;
+#if defined(__AVX512F__)
 constexpr int kLanes = 8;
+#elif defined(__AVX__)
+constexpr int kLanes = 4;
+#else
+constexpr int kLanes = 2;
+#endif
 typedef double Lanes __attribute__((vector_size(8 * kLanes)));
 
-inline Lanes all(double x) { return Lanes{x, x, x, x, x, x, x, x}; }
+inline Lanes all(double x) { return x - Lanes{}; }
 inline Lanes square_root(Lanes x) {
   for (int l = 0; l < kLanes; ++l) {
     x[l] = __builtin_sqrt(x[l]);
@@ -27,8 +36,9 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
   const Lanes jacobian_weight = all(in.jacobian_weight);
   const Lanes goal_scale = all(1 / (1 - in.jacobian_goal));
   const double sample_weight = 1.0 / (double(in.blocks) * samples * samples * samples);
-  Lanes energy = all(0), min_jacobian = all(1e9), min_det = all(1e9);
+  Lanes energies[kSums / kLanes] = {}, min_jacobian = all(1e9), min_det = all(1e9);
   for (int first = 0; first < in.blocks; first += kLanes) {
+    Lanes& energy = energies[first % kSums / kLanes];
     Lanes weight, inverse[3], X[3][N3], G[3][N3];
     const int* ids[kLanes];
     for (int l = 0; l < kLanes; ++l) {
@@ -72,7 +82,8 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
       }
       for (int b = 0; b < samples; ++b) {
         const double *vb = in.value + b * N, *sb = in.slope + b * N;
-        Lanes AA[3][N], AD[3][N], BA[3][N], gAA[3][N], gAD[3][N], gBA[3][N];
+        Lanes AA[3][N], AD[3][N], BA[3][N];
+        Lanes gT[3][3][kMostSamples];  // dE/dT of the samples along k
         for (int d = 0; d < 3; ++d) {
           for (int k = 0; k < N; ++k) {
             Lanes s = vb[0] * A[d][k * N], t = sb[0] * A[d][k * N], u = vb[0] * B[d][k * N];
@@ -84,9 +95,6 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
             AA[d][k] = s * inverse[2];
             AD[d][k] = t * inverse[1];
             BA[d][k] = u;
-            gAA[d][k] = all(0);
-            gAD[d][k] = all(0);
-            gBA[d][k] = all(0);
           }
         }
         for (int c = 0; c < samples; ++c) {
@@ -143,21 +151,21 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
           for (int p = 0; p < 3; ++p) {
             const Lanes along_self = (dshape_dT - djacobian * sigma / norm2[p]) * weight;
             for (int d = 0; d < 3; ++d) {
-              const Lanes g = along_cross * cross[p][d] + along_self * T[p][d];
-              if (p == 0) {
-                for (int k = 0; k < N; ++k) gBA[d][k] += vc[k] * g;
-              } else if (p == 1) {
-                for (int k = 0; k < N; ++k) gAD[d][k] += vc[k] * g;
-              } else {
-                for (int k = 0; k < N; ++k) gAA[d][k] += sc[k] * g;
-              }
+              gT[p][d][c] = along_cross * cross[p][d] + along_self * T[p][d];
             }
           }
         }
         if (gradient) {
           for (int d = 0; d < 3; ++d) {
             for (int k = 0; k < N; ++k) {
-              const Lanes s = gAA[d][k] * inverse[2], t = gAD[d][k] * inverse[1], u = gBA[d][k];
+              Lanes s = all(0), t = all(0), u = all(0);
+              for (int c = 0; c < samples; ++c) {
+                s += in.slope[c * N + k] * gT[2][d][c];
+                t += in.value[c * N + k] * gT[1][d][c];
+                u += in.value[c * N + k] * gT[0][d][c];
+              }
+              s *= inverse[2];
+              t *= inverse[1];
               for (int j = 0; j < N; ++j) {
                 gA[d][k * N + j] += vb[j] * s + sb[j] * t;
                 gB[d][k * N + j] += vb[j] * u;
@@ -189,8 +197,10 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
     }
   }
   DistortionOutput out{0, 1e9, 1e9};
+  for (int b = 0; b < kSums; ++b) {
+    out.energy += energies[b / kLanes][b % kLanes];
+  }
   for (int l = 0; l < kLanes; ++l) {
-    out.energy += energy[l];
     out.min_jacobian = min_jacobian[l] < out.min_jacobian ? min_jacobian[l] : out.min_jacobian;
     out.min_det = min_det[l] < out.min_det ? min_det[l] : out.min_det;
   }

@@ -159,6 +159,9 @@ double epsilon_for(double min_det) {
   return min_det <= 0 ? std::max(epsilon, 0.02) : epsilon;
 }
 
+/// Blocks whose least scaled Jacobian is lower get another stage.
+constexpr double kWeakJacobian = 0.66;
+
 class Optimiser {
  public:
   Optimiser(const BlockProblem& problem)
@@ -173,11 +176,16 @@ class Optimiser {
     stage(3, 5, 8, 20);
     stage(kBlockDegree, 7, 16, 40);
     BlockSolution solution = judge();
-    for (int repair = 0; repair < 2 && !solution.certified; ++repair) {
+    // the worst points of weak blocks lie between 7^3 samples
+    for (int repair = 0; repair < 2 && (!solution.certified || solution.min_jacobian < kWeakJacobian); ++repair) {
       stage(kBlockDegree, 9, 16, 25);
       BlockSolution next = judge();
+      const bool settled = solution.certified && next.min_jacobian < solution.min_jacobian + 0.01;
       if (next.is_better_than(solution)) {
         solution = std::move(next);
+      }
+      if (settled) {
+        break;
       }
     }
     return solution;

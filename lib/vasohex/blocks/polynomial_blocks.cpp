@@ -125,10 +125,16 @@ void PolynomialBlocks::place() {
 }
 
 void PolynomialBlocks::place_sections() {
+  std::vector<char> done(x.rows(), 0);
   for (const BlockProblem::Section& s : problem_->sections) {
     const int n = degree_ + 1;
     for_face(s.face, [&](int, int, int at) {
-      x.row(id(s.block, at)) =
+      const int node = id(s.block, at);
+      if (done[node]) {
+        return;
+      }
+      done[node] = 1;
+      x.row(node) =
           place_section_point(*problem_->surface, s.frame, s.quad, nodes_1d_[at % n], nodes_1d_[at / n % n]);
     });
   }
@@ -147,7 +153,7 @@ void PolynomialBlocks::retract(Points& y) {
         step *= reach / length;
       }
       p += step;
-      if (length < 1e-7 * mean_length_) {
+      if (length < 1e-3 * mean_length_) {  // after this step 1e-6 is left
         break;
       }
     }
