@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "vasohex/blocks/polynomial_blocks.h"
+#include "vasohex/core/reference_hex.h"
 #include "vasohex/blocks/preconditioner.h"
 #include "vasohex/quality/validity.h"
 
@@ -169,8 +170,28 @@ class Optimiser {
         topology_(build_topology(static_cast<int>(problem.vertices.size()), problem.blocks)),
         blocks_(problem, topology_, 2) {}
 
-  BlockSolution run() {
+  /// Degree 2: the placed nodes, or those of 15 Laplace sweeps if their energy is lower. Returns the energy.
+  double place() {
     blocks_.place();
+    EnergyTerms terms;
+    terms.tables = equispaced_tables(blocks_.nodes_1d(), 5);
+    terms.epsilon = 0.1;
+    const Points placed = blocks_.x;
+    const Energy start = measure(terms);
+    if (start.min_det > 0.02) {
+      return start.value;
+    }
+    blocks_.smooth(15);
+    const double smoothed = measure(terms).value;
+    if (smoothed < start.value) {
+      return smoothed;
+    }
+    blocks_.x = placed;
+    return start.value;
+  }
+
+  BlockSolution run() {
+    place();
     untangle();
     stage(2, 5, 8, 20);
     stage(3, 5, 8, 20);
@@ -214,26 +235,17 @@ class Optimiser {
     preconditioner_.reset();
   }
 
-  /// Degree 2, from the placed nodes or from 15 Laplace sweeps, whichever has the lower energy, until det T > .02.
+  /// Degree 2, until det T > .02.
   void untangle() {
     EnergyTerms terms;
     terms.tables = equispaced_tables(blocks_.nodes_1d(), 5);
-    terms.epsilon = 0.1;
-    const Points placed = blocks_.x;
-    const Energy start = measure(terms);
-    if (start.min_det <= 0.02) {
-      blocks_.smooth(15);
-      if (!(measure(terms).value < start.value)) {
-        blocks_.x = placed;
-      }
-    }
     for (int round = 0; round < 12; ++round) {
       const double min_det = measure(terms).min_det;
       if (min_det > 0.02 && round >= 1) {
         break;
       }
       terms.epsilon = epsilon_for(min_det);
-      if (round == 5 || round == 9) {
+      if (round == 2 || round == 4 || round == 7) {
         update_lengths();
       }
       minimise_here(terms, 25, 1e-4);
@@ -271,6 +283,51 @@ class Optimiser {
 };
 
 }  // namespace
+
+double straight_energy(const BlockProblem& problem) {
+  constexpr int kDegree = 2, kNodes = 27;  // the least that the kernel knows
+  const std::vector<double> halves = family_nodes(NodeFamily::gauss_lobatto, kDegree);
+  const SampleTables tables = equispaced_tables(halves, 5);
+  std::vector<Vec3> nodes;
+  std::vector<double> inverse_length;
+  for (const std::array<int, 8>& block : problem.blocks) {
+    for (int at = 0; at < kNodes; ++at) {
+      const std::array<double, 3> u{halves[at % 3], halves[at / 3 % 3], halves[at / 9]};
+      Vec3 p = Vec3::Zero();
+      for (int c = 0; c < 8; ++c) {
+        double w = 1;
+        for (int d = 0; d < 3; ++d) {
+          w *= (c >> d) & 1 ? u[d] : 1 - u[d];
+        }
+        p += w * problem.vertices[block[c]];
+      }
+      nodes.push_back(p);
+    }
+    for (int d = 0; d < 3; ++d) {
+      double length = 0;
+      for (int e = 4 * d; e < 4 * d + 4; ++e) {
+        const auto [from, to] = hex_edge(e);
+        length += 0.25 * (problem.vertices[block[to]] - problem.vertices[block[from]]).norm();
+      }
+      inverse_length.push_back(1 / length);
+    }
+  }
+  std::vector<int> ids(nodes.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  kernel::DistortionInput in;
+  in.degree = kDegree;
+  in.samples = tables.samples;
+  in.value = tables.value.data();
+  in.slope = tables.slope.data();
+  in.blocks = static_cast<int>(problem.blocks.size());
+  in.ids = ids.data();
+  in.nodes = nodes.data()->data();
+  in.inverse_length = inverse_length.data();
+  in.epsilon = 0.1;
+  return kernel::distortion(in, nullptr).energy;
+}
+
+double placed_energy(const BlockProblem& problem) { return Optimiser(problem).place(); }
 
 double least_jacobian(const std::vector<Vec3>& nodes) {
   const int n = kBlockDegree + 1;

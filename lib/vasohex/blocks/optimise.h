@@ -53,6 +53,12 @@ struct BlockSolution {
 /// Deterministic.
 BlockSolution optimise_blocks(const BlockProblem& problem);
 
+/// How folded the blocks are before anything moves: a good guess at which of several arrangements will turn out well.
+/// With straight edges between the vertices as placed: for a first choice among many.
+double straight_energy(const BlockProblem& problem);
+/// With the wall nodes on the surface: dearer by far, and better.
+double placed_energy(const BlockProblem& problem);
+
 /// Control points [blocks][kBlockNodes] judged as they are: min_jacobian and certificate.
 BlockSolution judge_blocks(std::vector<Vec3> nodes);
 
