@@ -26,10 +26,10 @@ struct Figures {
   int loops = 0;          ///< all cases are of one component
   double candidates = 0;  ///< arrangements tried, mean over the junctions
 
-  bool certified() const { return error.empty() && faulty + faulty_blocks + unconverged == 0; }
+  bool certified() const { return error.empty() && faulty + faulty_blocks == 0; }
   /// What the case's goal is compared with.
   double measured() const { return subject->kind == Kind::named ? linear_min : min; }
-  bool good() const { return certified() && measured() >= subject->goal; }
+  bool good() const { return certified() && unconverged == 0 && measured() >= subject->goal; }
 };
 
 /// Meshes a case with one thread and measures it; never throws vasohex::Error. The mesh is also left in `mesh`, if
