@@ -263,6 +263,7 @@ Figures measure(const Case& subject, int order, SkeletonMesh* mesh) {
     f.min = quality.scaled_jacobian.min;
     f.worst = place_of(quality.worst.front(), m.network);
     f.linear_min = quality.scaled_jacobian_linear.min;
+    f.block_min = m.blocks.min_jacobian;
     f.junctions = static_cast<int>(m.blocks.junctions.size());
     f.loops = static_cast<int>(m.network.branches.size()) - static_cast<int>(m.network.nodes.size()) + 1;
     for (const BlockStructure::Junction& j : m.blocks.junctions) {
@@ -318,8 +319,8 @@ std::string shortfalls(const std::vector<Figures>& figures) {
     if (!f.good()) {
       text += "  " + f.subject->name + " order " + std::to_string(f.order) + ": ";
       if (f.error.empty()) {
-        text += "min " + number(f.min, 3) + " in " + f.worst + ", linear " + number(f.linear_min, 3) + ", goal " +
-                number(f.subject->goal, 2);
+        text += "min " + number(f.min, 3) + " in " + f.worst + ", linear " + number(f.linear_min, 3) + ", blocks " +
+                number(f.block_min, 3) + ", goal " + number(f.subject->goal, 2);
       }
       text += (faults(f).empty() ? "" : (f.error.empty() ? "; " : "") + faults(f)) + "\n";
     }
@@ -340,6 +341,7 @@ std::string json(const std::vector<Figures>& figures) {
                   {"scaled_jacobian_min", f.min},
                   {"worst", f.worst},
                   {"scaled_jacobian_linear_min", f.linear_min},
+                  {"block_scaled_jacobian_min", f.block_min},
                   {"junctions", f.junctions},
                   {"loops", f.loops},
                   {"candidates", f.candidates},

@@ -21,6 +21,7 @@ struct Figures {
   double min = 0;          ///< least scaled Jacobian of the curved elements
   std::string worst;       ///< where the least is: vessel or junction, position
   double linear_min = 0;   ///< least scaled Jacobian of the straight-sided elements
+  double block_min = 0;    ///< least scaled Jacobian of the blocks, before the walls are projected onto the surface
   double cpu_seconds = 0;  ///< processor time of the junctions' optimisation, all together
   int junctions = 0;
   int loops = 0;          ///< all cases are of one component
