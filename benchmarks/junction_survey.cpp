@@ -76,10 +76,11 @@ std::vector<Figures> survey(const std::vector<Case>& cases, const Options& optio
   parallel_for(run, jobs.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       figures[i] = measure(*jobs[i].first, jobs[i].second);
-      std::fprintf(stderr, "\r%d of %zu ", ++done, jobs.size());
+      const Figures& f = figures[i];
+      std::fprintf(stderr, "%d of %zu: %s order %d, min %.3f%s\n", ++done, jobs.size(), f.subject->name.c_str(),
+                   f.order, f.min, f.certified() ? "" : ", NOT CERTIFIED");
     }
   });
-  std::fprintf(stderr, "\n");
   return figures;
 }
 
@@ -175,7 +176,9 @@ int main(int argc, char** argv) {
   app.add_option("--orders", options.orders, "Polynomial orders; default: 1,2,3,4 for random, 1,3 for the others")
       ->delimiter(',')
       ->check(CLI::Range(1, 9));
-  app.add_option("--count", options.count, "At most so many seeds of each group")->check(CLI::PositiveNumber);
+  app.add_option("--count", options.count,
+                 "Seeds of junctions of 3 to 5 branches and of networks; of more branches a quarter")
+      ->check(CLI::PositiveNumber);
   app.add_option("--only", options.only, "This case alone, by its name: k7/12, \"Y 20\"; may be given several times");
   app.add_option("--threads", options.threads, "Cases side by side, each on one thread; 0: all cores")
       ->check(CLI::NonNegativeNumber);

@@ -25,7 +25,8 @@ std::vector<Case> random_junctions(std::optional<int> count) {
   for (const auto& [arms, seeds] :
        std::vector<std::array<int, 2>>{{3, 200}, {4, 200}, {5, 200}, {6, 50}, {7, 50}, {8, 50}}) {
     const std::string group = std::string("k").append(std::to_string(arms));
-    for (int seed = 1; seed <= std::min(seeds, count.value_or(seeds)); ++seed) {
+    const int most = count ? std::max(1, *count * seeds / 200) : seeds;
+    for (int seed = 1; seed <= std::min(seeds, most); ++seed) {
       all.push_back({Kind::random, group, group + "/" + std::to_string(seed),
                      gallery::random_star(arms, seed, kLeastAngle), kGood});
     }

@@ -22,8 +22,9 @@ struct Case {
   double goal = 0;  ///< of the least scaled Jacobian; named cases: of the straight-sided one
 };
 
-/// All cases of a kind, at most `count` seeds of each group. Deterministic. The published junction of six branches is
-/// among them if the environment's VASOHEX_DATA is its folder.
+/// All cases of a kind; `count` cuts their seeds: so many networks and junctions of 3 to 5 branches, a quarter of
+/// that of those of 6 to 8, which take far longer. Deterministic. The published junction of six branches is among
+/// them if the environment's VASOHEX_DATA is its folder.
 std::vector<Case> cases_of(Kind kind, std::optional<int> count);
 
 }  // namespace vasohex::survey

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -22,7 +21,7 @@ std::string number(double value, int digits) {
   return text;
 }
 
-/// What is wrong with a case that is not certified.
+/// What is wrong with the mesh, apart from its figures; empty: nothing.
 std::string faults(const Figures& f) {
   if (!f.error.empty()) {
     return "no mesh: " + f.error;
@@ -62,7 +61,7 @@ std::vector<double> values_of(const std::vector<const Figures*>& rows,
   return values;
 }
 
-/// `all`, or percent rounded down: 100 % means all.
+/// Percent, rounded down: 100 % means all.
 std::string certified_part(const std::vector<const Figures*>& rows) {
   const auto good = std::count_if(rows.begin(), rows.end(), [](const Figures* f) { return f->certified(); });
   return number(std::floor(1000.0 * static_cast<double>(good) / static_cast<double>(rows.size())) / 10, 1) + " %";
@@ -83,46 +82,56 @@ std::vector<std::pair<std::pair<std::string, int>, std::vector<const Figures*>>>
   return groups;
 }
 
+using Cells = std::vector<std::string>;
+
+std::string row_of(const Cells& cells) {
+  std::string text = "|";
+  for (const std::string& cell : cells) {
+    text.append(" ").append(cell).append(" |");
+  }
+  return text + "\n";
+}
+
+std::string head_of(const Cells& names) { return row_of(names) + row_of(Cells(names.size(), "---")); }
+
+double cpu_ms(const Figures& f) { return 1e3 * f.cpu_seconds / std::max(1, f.junctions); }
+
+std::string certified_cell(const Figures& f) {
+  return faults(f).empty() ? "all" : (f.certified() ? "all; **" : "**") + faults(f) + "**";
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 std::string random_table(const std::vector<Figures>& figures) {
   std::string text =
       "Branches in random directions at least 30 degrees apart, radii up to 2:1. Per junction the least scaled\n"
       "Jacobian of its mesh is taken; *CPU*: of the junction's optimisation; *tried*: arrangements of cubes, "
-      "mean.\n\n"
-      "| branches | order | junctions | certified | min | 5 % | median | CPU ms median | CPU ms 95 % | tried |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+      "mean.\n\n" +
+      head_of({"branches", "order", "junctions", "certified", "min", "5 %", "median", "CPU ms median", "CPU ms 95 %",
+               "tried"});
   for (const auto& [key, rows] : by_group_and_order(figures)) {
     const auto least = values_of(rows, [](const Figures& f) { return f.min; });
-    const auto cpu = values_of(rows, [](const Figures& f) { return 1e3 * f.cpu_seconds / std::max(1, f.junctions); });
+    const auto cpu = values_of(rows, cpu_ms);
     const auto tried = values_of(rows, [](const Figures& f) { return f.candidates; });
-    text += "| " + key.first.substr(1) + " | " + std::to_string(key.second) + " | " + std::to_string(rows.size()) +
-            " | " + certified_part(rows) + " | " + number(percentile(least, 0), 3) + " | " +
-            number(percentile(least, .05), 3) + " | " + number(percentile(least, .5), 3) + " | " +
-            number(percentile(cpu, .5), 0) + " | " + number(percentile(cpu, .95), 0) + " | " +
-            number(std::accumulate(tried.begin(), tried.end(), 0.0) / std::max<std::size_t>(1, tried.size()), 1) +
-            " |\n";
+    text +=
+        row_of({key.first.substr(1), std::to_string(key.second), std::to_string(rows.size()), certified_part(rows),
+                number(percentile(least, 0), 3), number(percentile(least, .05), 3), number(percentile(least, .5), 3),
+                number(percentile(cpu, .5), 0), number(percentile(cpu, .95), 0), number(mean(tried), 1)});
   }
   return text;
 }
 
 std::string named_table(const std::vector<Figures>& figures) {
   std::string text =
-      "*Linear min*: of the straight-sided hexahedra, compared with the goal.\n\n"
-      "| case | order | goal | linear min | met | order-p min | certified | CPU ms per junction |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
+      "*Linear min*: of the straight-sided hexahedra, compared with the goal.\n\n" +
+      head_of({"case", "order", "goal", "linear min", "met", "order-p min", "certified", "CPU ms per junction"});
   for (const Figures& f : figures) {
-    text += "| " + f.subject->name + " | " + std::to_string(f.order) + " | " + number(f.subject->goal, 2) + " | ";
-    text += f.error.empty() ? number(f.linear_min, 3) + " | " + (f.good() ? "yes" : "**no**") + " | " +
-                                  number(f.min, 3) + " | " + (f.certified() ? "all" : faults(f)) + " | " +
-                                  number(1e3 * f.cpu_seconds / std::max(1, f.junctions), 0) + " |\n"
-                            : "| **no** | | " + faults(f) + " | |\n";
-  }
-  return text;
-}
-
-std::string order_names(const std::vector<int>& orders, const std::string& what) {
-  std::string text;
-  for (const int p : orders) {
-    text += " " + what + " p" + std::to_string(p) + " |";
+    const bool is_there = f.error.empty();
+    text += row_of({f.subject->name, std::to_string(f.order), number(f.subject->goal, 2),
+                    is_there ? number(f.linear_min, 3) : "", f.good() ? "yes" : "**no**",
+                    is_there ? number(f.min, 3) : "", certified_cell(f), number(cpu_ms(f), 0)});
   }
   return text;
 }
@@ -135,27 +144,33 @@ std::string case_table(const std::vector<Figures>& figures, bool with_counts) {
       orders.push_back(f.order);
     }
   }
-  std::string text = with_counts ? "| case | junctions | loops | elements |" : "| case |";
-  text += order_names(orders, "min") + order_names(orders, "certified") + " tried | CPU ms per junction |\n|";
-  for (std::size_t c = 0; c < 2 * orders.size() + (with_counts ? 6 : 3); ++c) {
-    text += " --- |";
+  Cells names{"case"};
+  if (with_counts) {
+    names.insert(names.end(), {"junctions", "loops", "elements"});
   }
-  text += "\n";
+  for (const char* what : {"min p", "certified p"}) {
+    for (const int p : orders) {
+      names.push_back(what + std::to_string(p));
+    }
+  }
+  names.insert(names.end(), {"tried", "CPU ms per junction"});
+  std::string text = head_of(names);
   for (std::size_t i = 0; i < figures.size(); i += orders.size()) {
-    const std::vector<Figures> row(figures.begin() + i, figures.begin() + i + orders.size());
-    text += "| " + row[0].subject->name + " |";
+    const std::vector<Figures> of_case(figures.begin() + i, figures.begin() + i + orders.size());
+    const Figures& first = of_case.front();
+    Cells cells{first.subject->name};
     if (with_counts) {
-      text += " " + std::to_string(row[0].junctions) + " | " + std::to_string(row[0].loops) + " | " +
-              std::to_string(row[0].elements) + " |";
+      cells.insert(cells.end(),
+                   {std::to_string(first.junctions), std::to_string(first.loops), std::to_string(first.elements)});
     }
-    for (const Figures& f : row) {
-      text += f.error.empty() ? " " + number(f.min, 3) + " |" : " |";
+    for (const Figures& f : of_case) {
+      cells.push_back(f.error.empty() ? number(f.min, 3) : "");
     }
-    for (const Figures& f : row) {
-      text += " " + (f.certified() ? "all" : "**" + faults(f) + "**") + " |";
+    for (const Figures& f : of_case) {
+      cells.push_back(certified_cell(f));
     }
-    text += " " + number(row[0].candidates, 1) + " | " +
-            number(1e3 * row[0].cpu_seconds / std::max(1, row[0].junctions), 0) + " |\n";
+    cells.insert(cells.end(), {number(first.candidates, 1), number(cpu_ms(first), 0)});
+    text += row_of(cells);
   }
   for (const int p : orders) {
     std::vector<const Figures*> rows;
@@ -197,8 +212,9 @@ std::string compact_shortfalls(const std::vector<Figures>& figures) {
   std::vector<std::pair<std::string, std::string>> by_case;
   for (const Figures& f : figures) {
     if (!f.good()) {
-      const std::string what =
-          "p" + std::to_string(f.order) + " " + (f.certified() ? number(f.measured(), 3) : faults(f));
+      const std::string wrong = faults(f);
+      const std::string what = "p" + std::to_string(f.order) + " " + (f.certified() ? number(f.measured(), 3) : "") +
+                               (f.certified() && !wrong.empty() ? ", " : "") + wrong;
       if (by_case.empty() || by_case.back().first != f.subject->name) {
         by_case.emplace_back(f.subject->name, what);
       } else {
@@ -247,6 +263,7 @@ Figures measure(const Case& subject, int order, SkeletonMesh* mesh) {
     f.min = quality.scaled_jacobian.min;
     f.worst = place_of(quality.worst.front(), m.network);
     f.linear_min = quality.scaled_jacobian_linear.min;
+    f.block_min = m.blocks.min_jacobian;
     f.junctions = static_cast<int>(m.blocks.junctions.size());
     f.loops = static_cast<int>(m.network.branches.size()) - static_cast<int>(m.network.nodes.size()) + 1;
     for (const BlockStructure::Junction& j : m.blocks.junctions) {
@@ -302,10 +319,10 @@ std::string shortfalls(const std::vector<Figures>& figures) {
     if (!f.good()) {
       text += "  " + f.subject->name + " order " + std::to_string(f.order) + ": ";
       if (f.error.empty()) {
-        text += "min " + number(f.min, 3) + " in " + f.worst + ", linear " + number(f.linear_min, 3) + ", goal " +
-                number(f.subject->goal, 2);
+        text += "min " + number(f.min, 3) + " in " + f.worst + ", linear " + number(f.linear_min, 3) + ", blocks " +
+                number(f.block_min, 3) + ", goal " + number(f.subject->goal, 2);
       }
-      text += (f.certified() ? "" : (f.error.empty() ? "; " : "") + faults(f)) + "\n";
+      text += (faults(f).empty() ? "" : (f.error.empty() ? "; " : "") + faults(f)) + "\n";
     }
   }
   return text;
@@ -324,6 +341,7 @@ std::string json(const std::vector<Figures>& figures) {
                   {"scaled_jacobian_min", f.min},
                   {"worst", f.worst},
                   {"scaled_jacobian_linear_min", f.linear_min},
+                  {"block_scaled_jacobian_min", f.block_min},
                   {"junctions", f.junctions},
                   {"loops", f.loops},
                   {"candidates", f.candidates},
