@@ -10,7 +10,7 @@ namespace vasohex {
 
 struct BlockOptions {
   double block_length = 2.0;   ///< of a branch's blocks, in local radii
-  int candidates = 3;          ///< assignments of a junction's branches to the cube's faces that are tried
+  int candidates = 6;          ///< arrangements of a weak junction's cubes that are tried to the end
   double good_jacobian = 0.6;  ///< scaled Jacobian that ends the search, if certified
 };
 

@@ -190,10 +190,15 @@ class Optimiser {
     return start.value;
   }
 
-  BlockSolution run() {
+  /// Nothing if the blocks are folded after a few rounds or nearly so after the first stage, and `patient` is false:
+  /// that seldom ends well, and takes longest.
+  std::optional<BlockSolution> run(bool patient) {
     place();
-    untangle();
+    untangle(patient ? 12 : 5);
     stage(2, 5, 8, 20);
+    if (!patient && least_now(5) < 0.12) {
+      return {};
+    }
     stage(3, 5, 8, 20);
     stage(kBlockDegree, 7, 16, 40);
     BlockSolution solution = judge();
@@ -235,11 +240,17 @@ class Optimiser {
     preconditioner_.reset();
   }
 
+  double least_now(int samples) {
+    EnergyTerms terms;
+    terms.tables = equispaced_tables(blocks_.nodes_1d(), samples);
+    return measure(terms).min_jacobian;
+  }
+
   /// Degree 2, until det T > .02.
-  void untangle() {
+  void untangle(int rounds) {
     EnergyTerms terms;
     terms.tables = equispaced_tables(blocks_.nodes_1d(), 5);
-    for (int round = 0; round < 12; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       const double min_det = measure(terms).min_det;
       if (min_det > 0.02 && round >= 1) {
         break;
@@ -371,6 +382,8 @@ BlockSolution judge_blocks(std::vector<Vec3> nodes) {
   return s;
 }
 
-BlockSolution optimise_blocks(const BlockProblem& problem) { return Optimiser(problem).run(); }
+BlockSolution optimise_blocks(const BlockProblem& problem) { return *Optimiser(problem).run(true); }
+
+std::optional<BlockSolution> try_blocks(const BlockProblem& problem) { return Optimiser(problem).run(false); }
 
 }  // namespace vasohex

@@ -2,6 +2,7 @@
 /// \file Polynomial blocks between fixed cross-sections and a wall, moved until they are valid and well shaped.
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,9 @@ struct BlockSolution {
 /// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; then certify.
 /// Deterministic.
 BlockSolution optimise_blocks(const BlockProblem& problem);
+
+/// The same, or nothing as soon as it looks hopeless: blocks that are still folded, or nearly, when others are not.
+std::optional<BlockSolution> try_blocks(const BlockProblem& problem);
 
 /// How folded the blocks are before anything moves: a good guess at which of several arrangements will turn out well.
 /// With straight edges between the vertices as placed: for a first choice among many.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "vasohex/blocks/split_hub.h"
 #include "vasohex/core/cpu_time.h"
@@ -9,6 +10,13 @@
 
 namespace vasohex {
 namespace {
+
+/// Hubs and how the arms of each are assigned to its cube's faces.
+struct Arrangement {
+  Cluster cluster;
+  std::vector<CubeAssignment> assignments;  ///< [hubs]
+  double energy = 0;                        ///< how folded its blocks are before anything moves
+};
 
 std::vector<CubeAssignment> assignments_of(const Hub& hub, int count) {
   std::vector<Vec3> directions;
@@ -18,43 +26,81 @@ std::vector<CubeAssignment> assignments_of(const Hub& hub, int count) {
   return cube_assignments(directions, count);
 }
 
-/// The hub with the least scaled Jacobian among those not tried yet; nothing if all were.
-std::optional<int> weakest_hub(const ClusterResult& r, const std::vector<char>& tried) {
+ClusterResult as_result(const ImplicitSurface& surface, const Arrangement& arrangement) {
+  ClusterResult r;
+  r.cluster = arrangement.cluster;
+  r.assignments = arrangement.assignments;
+  r.blocks = cluster_blocks(surface, r.cluster, r.assignments);
+  return r;
+}
+
+/// The least scaled Jacobian of each hub's blocks.
+std::vector<double> least_of_hubs(const ClusterResult& r) {
   std::vector<double> least(r.cluster.size(), 2.0);
   for (std::size_t b = 0; b < r.blocks.problem.blocks.size(); ++b) {
     const auto nodes = r.solution.nodes.begin() + static_cast<std::ptrdiff_t>(b) * kBlockNodes;
     double& of_hub = least[r.blocks.block_hub[b]];
     of_hub = std::min(of_hub, least_jacobian(std::vector<Vec3>(nodes, nodes + kBlockNodes)));
   }
-  std::optional<int> weakest;
-  for (int h = 0; h < static_cast<int>(least.size()); ++h) {
-    if (!tried[h] && (!weakest || least[h] < least[*weakest])) {
-      weakest = h;
-    }
-  }
-  return weakest;
+  return least;
 }
 
-/// Clusters in which no hub has more arms than a cube can take.
-std::vector<Cluster> with_small_hubs(const Cluster& cluster) {
-  std::vector<Cluster> all{cluster};
-  for (int h = 0; h < static_cast<int>(cluster.size()); ++h) {
-    if (cluster[h].arms.size() > kCubeArms) {
-      std::vector<Cluster> divided;
-      for (const Cluster& c : all) {
-        for (Cluster& d : split_hub(c, h)) {
-          divided.push_back(std::move(d));
-        }
-      }
-      all = std::move(divided);
+/// Keeps the `count` arrangements of least energy, in that order.
+void keep_best(std::vector<Arrangement>& all, std::size_t count) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Arrangement& a, const Arrangement& b) { return a.energy < b.energy; });
+  all.resize(std::min(all.size(), count));
+}
+
+/// Arrangements of hub `h`, as one cube or a tree of cubes, with the other hubs as they are; the most promising first.
+std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
+                                      std::size_t count) {
+  constexpr std::size_t kFirstChoice = 20;
+  std::vector<Arrangement> all;
+  const auto add = [&](const Cluster& cluster, int most) {
+    Arrangement a{cluster, now.assignments};
+    a.assignments.resize(now.cluster.size());
+    for (std::size_t s = now.cluster.size(); s < cluster.size(); ++s) {
+      a.assignments.push_back(assignments_of(cluster[s], 1).front());
+    }
+    for (const CubeAssignment& assignment : assignments_of(cluster[h], most)) {
+      a.assignments[h] = assignment;
+      a.energy = straight_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
+      all.push_back(a);
+    }
+  };
+  if (now.cluster[h].arms.size() <= kCubeArms) {
+    add(now.cluster, 6);
+  }
+  if (now.cluster[h].arms.size() > 3) {
+    for (const Cluster& divided : split_hub(now.cluster, h)) {
+      add(divided, 1);
     }
   }
-  if (all.empty()) {
-    throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
+  keep_best(all, kFirstChoice);
+  for (Arrangement& a : all) {
+    a.energy = placed_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
   }
-  constexpr std::size_t kMost = 4;
-  all.resize(std::min(all.size(), kMost));
+  keep_best(all, count);
   return all;
+}
+
+/// One cube a hub; those of too many arms divided in the most promising way.
+Arrangement first_arrangement(const ImplicitSurface& surface, const Cluster& cluster) {
+  Arrangement first{cluster, {}};
+  for (const Hub& hub : cluster) {
+    first.assignments.push_back(hub.arms.size() > kCubeArms ? CubeAssignment{} : assignments_of(hub, 1).front());
+  }
+  for (int h = 0; h < static_cast<int>(cluster.size()); ++h) {
+    if (cluster[h].arms.size() > kCubeArms) {
+      std::vector<Arrangement> all = arrangements(surface, first, h, 1);
+      if (all.empty()) {
+        throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
+      }
+      first = std::move(all.front());
+    }
+  }
+  return first;
 }
 
 }  // namespace
@@ -66,54 +112,54 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
   const auto is_good = [&] {
     return best && best->solution.certified && best->solution.min_jacobian >= options.good_jacobian;
   };
-  const auto attempt = [&](const Cluster& c, const std::vector<CubeAssignment>& assignments) {
-    ClusterResult r;
-    r.cluster = c;
-    r.assignments = assignments;
-    r.blocks = cluster_blocks(surface, c, assignments);
-    r.solution = optimise_blocks(r.blocks.problem);
+  const auto attempt = [&](const Arrangement& arrangement, bool patient) {
+    ClusterResult r = as_result(surface, arrangement);
     ++tried;
+    if (patient) {
+      r.solution = optimise_blocks(r.blocks.problem);
+    } else if (auto solution = try_blocks(r.blocks.problem)) {
+      r.solution = std::move(*solution);
+    } else {
+      return;
+    }
     if (!best || r.solution.is_better_than(best->solution)) {
       best = std::move(r);
     }
   };
-  for (const Cluster& c : with_small_hubs(cluster)) {
-    std::vector<CubeAssignment> assignments;
-    for (const Hub& hub : c) {
-      assignments.push_back(assignments_of(hub, 1).front());
+  const Arrangement first = first_arrangement(surface, cluster);
+  attempt(first, cluster.size() > 1);
+  if (!is_good() && cluster.size() == 1) {
+    for (const Arrangement& a : arrangements(surface, {cluster, first.assignments}, 0, options.candidates)) {
+      if (!is_good()) {
+        attempt(a, false);
+      }
     }
-    if (!is_good()) {
-      attempt(c, assignments);
+    if (!best) {
+      attempt(first, true);
     }
   }
+  // Of several hubs the weakest is arranged anew, then the next.
   constexpr int kMostRounds = 6;
   std::vector<char> done(best->cluster.size(), 0);
-  for (int round = 0; round < kMostRounds && !is_good(); ++round) {
-    const std::optional<int> hub = weakest_hub(*best, done);
-    if (!hub) {
+  for (int round = 0; round < kMostRounds && cluster.size() > 1 && !is_good(); ++round) {
+    const std::vector<double> least = least_of_hubs(*best);
+    std::optional<int> weakest;
+    for (int h = 0; h < static_cast<int>(least.size()); ++h) {
+      if (!done[h] && least[h] < options.good_jacobian && (!weakest || least[h] < least[*weakest])) {
+        weakest = h;
+      }
+    }
+    if (!weakest) {
       break;
     }
-    const ClusterResult before = *best;
-    const std::vector<CubeAssignment> others = assignments_of(before.cluster[*hub], options.candidates);
-    for (std::size_t rank = 1; rank < others.size() && !is_good(); ++rank) {
-      std::vector<CubeAssignment> assignments = before.assignments;
-      assignments[*hub] = others[rank];
-      attempt(before.cluster, assignments);
-    }
-    if (before.cluster[*hub].arms.size() >= 4) {
-      for (const Cluster& c : split_hub(before.cluster, *hub)) {
-        std::vector<CubeAssignment> assignments = before.assignments;
-        assignments[*hub] = assignments_of(c[*hub], 1).front();
-        for (std::size_t h = before.cluster.size(); h < c.size(); ++h) {
-          assignments.push_back(assignments_of(c[h], 1).front());
-        }
-        if (!is_good()) {
-          attempt(c, assignments);
-        }
+    const Arrangement now{best->cluster, best->assignments};
+    for (const Arrangement& a : arrangements(surface, now, *weakest, options.candidates)) {
+      if (!is_good()) {
+        attempt(a, false);
       }
     }
     done.resize(best->cluster.size(), 1);
-    done[*hub] = 1;
+    done[*weakest] = 1;
   }
   best->candidates = tried;
   best->cpu_seconds = thread_cpu_seconds() - start;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
-#include <tuple>
+#include <utility>
 
 namespace vasohex {
 namespace {
@@ -15,53 +16,82 @@ double angle(const Arm& a, const Arm& b) {
   return std::atan2(a.direction.cross(b.direction).norm(), a.direction.dot(b.direction));
 }
 
-/// Ways of grouping the arms, the gentlest first.
-std::vector<std::vector<Group>> groupings(const Hub& hub) {
+/// The widest angle between two arms of a group.
+double spread(const Hub& hub, const Group& group) {
+  double widest = 0;
+  for (std::size_t a = 0; a < group.size(); ++a) {
+    for (std::size_t b = a + 1; b < group.size(); ++b) {
+      widest = std::max(widest, angle(hub.arms[group[a]], hub.arms[group[b]]));
+    }
+  }
+  return widest;
+}
+
+/// All pairs and triples of arms that might share a cube, the narrowest first.
+std::vector<std::pair<double, Group>> groups_of(const Hub& hub) {
+  constexpr double kWidest = 100 * std::numbers::pi / 180;
   const int arms = static_cast<int>(hub.arms.size());
-  const double widest = arms > kCubeArms ? std::numbers::pi : 75 * std::numbers::pi / 180;
-  std::vector<std::tuple<double, int, int>> pairs;
+  std::vector<std::pair<double, Group>> all;
+  const auto add = [&](const Group& group) {
+    // rounded: of equal angles, rounding must not decide
+    const double angle = std::round(spread(hub, group) * 1e6) / 1e6;
+    if (angle < kWidest || arms > kCubeArms) {
+      all.emplace_back(angle, group);
+    }
+  };
   for (int i = 0; i < arms; ++i) {
     for (int j = i + 1; j < arms; ++j) {
-      const double a = angle(hub.arms[i], hub.arms[j]);
-      if (a < widest) {
-        pairs.emplace_back(a, i, j);
+      add({i, j});
+      for (int k = j + 1; k < arms; ++k) {
+        add({i, j, k});
       }
     }
   }
-  std::sort(pairs.begin(), pairs.end());
-  std::vector<std::vector<Group>> all;
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  return all;
+}
+
+/// Ways of grouping the arms that leave a cube no more than it can take; those with the narrowest groups first.
+std::vector<std::vector<Group>> groupings(const Hub& hub) {
+  constexpr std::size_t kMost = 96;    // enough: the good ones are among the narrow ones
+  constexpr std::size_t kMany = 3000;  // of junctions of very many branches not all are looked at
+  const int arms = static_cast<int>(hub.arms.size());
+  const std::vector<std::pair<double, Group>> groups = groups_of(hub);
+  const std::size_t most_groups = arms <= 9 ? 3 : (arms - kCubeArms + 1) / 2 + 1;
+  std::vector<std::pair<double, std::vector<Group>>> all;
   std::vector<char> used(arms, 0);
   std::vector<Group> chosen;
-  for (const auto& [a, i, j] : pairs) {
-    if (!used[i] && !used[j]) {
-      used[i] = used[j] = 1;
-      chosen.push_back({i, j});
-      // with fewer groups the middle cube would have too many arms
-      if (arms - static_cast<int>(chosen.size()) <= kCubeArms) {
-        all.push_back(chosen);
+  // groups are taken in their order: the last one of a choice is its widest
+  std::function<void(std::size_t, int)> choose = [&](std::size_t first, int left) {
+    for (std::size_t g = first; g < groups.size() && all.size() < kMany; ++g) {
+      const auto& [angle, group] = groups[g];
+      if (std::any_of(group.begin(), group.end(), [&](int a) { return used[a]; })) {
+        continue;
+      }
+      const int now = left - static_cast<int>(group.size()) + 1;
+      for (const int a : group) {
+        used[a] = 1;
+      }
+      chosen.push_back(group);
+      if (now <= kCubeArms) {
+        all.emplace_back(angle, chosen);
+      }
+      if (chosen.size() < most_groups) {
+        choose(g + 1, now);
+      }
+      chosen.pop_back();
+      for (const int a : group) {
+        used[a] = 0;
       }
     }
+  };
+  choose(0, arms);
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::vector<Group>> best;
+  for (std::size_t i = 0; i < std::min(all.size(), kMost); ++i) {
+    best.push_back(all[i].second);
   }
-  if (arms >= 5) {
-    double least = 1.4;
-    Group best;
-    for (int i = 0; i < arms; ++i) {
-      for (int j = i + 1; j < arms; ++j) {
-        for (int k = j + 1; k < arms; ++k) {
-          const double a = std::max(
-              {angle(hub.arms[i], hub.arms[j]), angle(hub.arms[i], hub.arms[k]), angle(hub.arms[j], hub.arms[k])});
-          if (a < least) {
-            least = a;
-            best = {i, j, k};
-          }
-        }
-      }
-    }
-    if (!best.empty() && arms - 2 <= kCubeArms) {
-      all.push_back({best});
-    }
-  }
-  return all;
+  return best;
 }
 
 /// The way from the hub to the cube of a group, in the middle of its arms: more than halfway to where the first two of

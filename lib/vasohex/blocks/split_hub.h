@@ -10,9 +10,9 @@ namespace vasohex {
 /// Most branches that one cube can take.
 inline constexpr int kCubeArms = 6;
 
-/// Clusters in which hub `h` is replaced by a tree of cubes: arms near each other (closer than 75 degrees, unless the
-/// hub has more than kCubeArms) share a cube halfway to their crotch, linked to the others' cube, the nearest pair
-/// first, then two pairs, ... and the nearest three of five or more. None if no arms are that near.
+/// Clusters in which hub `h` is replaced by a tree of cubes: pairs or triples of arms near each other share a cube on
+/// the way to where they part, linked to that of the others. At most about a hundred, those with the narrowest groups
+/// first; none if no arms are near each other. The new hubs stand at `h` and behind the old ones.
 std::vector<Cluster> split_hub(const Cluster& cluster, int h);
 
 }  // namespace vasohex
