@@ -82,7 +82,7 @@ void minimise(PolynomialBlocks& blocks, Preconditioner& preconditioner, const En
   Energy e = blocks.energy(blocks.x, terms, &gradient);
   StepMemory memory;
   Points best = blocks.x;
-  double best_jacobian = e.min_jacobian, mark = best_jacobian;
+  double best_quality = e.quality(), mark = best_quality;
   double scale = 1;
   int stalls = 0, idle = 0;
   for (int done = 0; done < iterations; ++done) {
@@ -134,12 +134,12 @@ void minimise(PolynomialBlocks& blocks, Preconditioner& preconditioner, const En
     std::swap(gradient, trial_gradient);
     e = next;
     if (patience > 0) {
-      if (e.min_jacobian > best_jacobian) {
-        best_jacobian = e.min_jacobian;
+      if (e.quality() > best_quality) {
+        best_quality = e.quality();
         best = blocks.x;
       }
-      idle = e.min_jacobian > mark + 0.002 ? 0 : idle + 1;
-      mark = idle == 0 ? e.min_jacobian : mark;
+      idle = e.quality() > mark + 0.002 ? 0 : idle + 1;
+      mark = idle == 0 ? e.quality() : mark;
     }
     if (stalls > 3 || (patience > 0 && idle >= patience)) {
       break;
@@ -159,9 +159,6 @@ double epsilon_for(double min_det) {
   const double epsilon = std::sqrt(1e-5 + 0.04 * folded * folded);
   return min_det <= 0 ? std::max(epsilon, 0.02) : epsilon;
 }
-
-/// Blocks whose least scaled Jacobian is lower get another stage.
-constexpr double kWeakJacobian = 0.66;
 
 class Optimiser {
  public:
@@ -202,16 +199,11 @@ class Optimiser {
     stage(3, 5, 8, 20);
     stage(kBlockDegree, 7, 16, 40);
     BlockSolution solution = judge();
-    // the worst points of weak blocks lie between 7^3 samples
-    for (int repair = 0; repair < 2 && (!solution.certified || solution.min_jacobian < kWeakJacobian); ++repair) {
+    for (int repair = 0; repair < 2 && !solution.certified; ++repair) {
       stage(kBlockDegree, 9, 16, 25);
       BlockSolution next = judge();
-      const bool settled = solution.certified && next.min_jacobian < solution.min_jacobian + 0.01;
       if (next.is_better_than(solution)) {
         solution = std::move(next);
-      }
-      if (settled) {
-        break;
       }
     }
     return solution;

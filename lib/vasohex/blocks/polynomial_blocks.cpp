@@ -231,7 +231,8 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
   in.jacobian_goal = terms.jacobian_goal;
   in.power = terms.power;
   const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
-  Energy e{out.energy + wall_distance(y, gradient), out.min_jacobian, out.min_det};
+  Energy e{out.energy, out.min_jacobian, out.min_det, 0};
+  e.value += wall_distance(y, gradient, e.wall_gap);
   if (gradient) {
     make_tangential(*gradient);
   }
@@ -335,10 +336,10 @@ std::vector<Vec3> PolynomialBlocks::block_nodes() const {
   return all;
 }
 
-double PolynomialBlocks::wall_distance(const Points& y, Points* gradient) {
+double PolynomialBlocks::wall_distance(const Points& y, Points* gradient, double& gap) {
   const int n = degree_ + 1, m = degree_;
   constexpr int kMost = kBlockDegree + 1;
-  double total = 0;
+  double total = 0, gap2 = 0;
   const double samples = static_cast<double>(wall_faces_.size()) * m * m;
   std::size_t sample = wall_nodes_.size();
   for (const auto& [b, f] : wall_faces_) {
@@ -366,6 +367,7 @@ double PolynomialBlocks::wall_distance(const Points& y, Points* gradient) {
         const double value = wall_.value(sample++, p, g);
         const double g2 = std::max(g.squaredNorm(), 1e-300);
         total += weight * value * value / g2;
+        gap2 = std::max(gap2, value * value / (g2 * length * length));
         if (gradient) {
           // the change of |gradient| is of second order in the distance and left out
           const Vec3 slope = 2 * weight * value / g2 * g;
@@ -385,6 +387,7 @@ double PolynomialBlocks::wall_distance(const Points& y, Points* gradient) {
       }
     }
   }
+  gap = std::sqrt(gap2);
   return total;
 }
 

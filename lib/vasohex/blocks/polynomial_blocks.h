@@ -42,6 +42,11 @@ struct Energy {
   double value = 0;
   double min_jacobian = 0;
   double min_det = 0;
+  double wall_gap = 0;  ///< largest distance of the wall to the surface at a sample, over the block's length
+
+  /// What is left of the least scaled Jacobian once the wall of a mesh is projected, roughly: blocks gain Jacobians
+  /// by leaving the surface, and meshes lose them again.
+  double quality() const { return min_jacobian - 8 * wall_gap; }
 };
 
 /// Weight of the mean square distance of the wall to the surface, over the block length. Decisive: without it
@@ -137,8 +142,9 @@ class PolynomialBlocks {
     }
   }
 
-  /// kWallWeight * mean over samples between the wall nodes of (distance to the surface / block length)^2.
-  double wall_distance(const Points& y, Points* gradient);
+  /// kWallWeight * mean over samples between the wall nodes of (distance to the surface / block length)^2; `gap` is
+  /// the largest of these distances over the length.
+  double wall_distance(const Points& y, Points* gradient, double& gap);
 
   const BlockProblem* problem_;
   const BlockTopology* topology_;
