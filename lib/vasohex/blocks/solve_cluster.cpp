@@ -55,7 +55,8 @@ void keep_best(std::vector<Arrangement>& all, std::size_t count) {
 /// Arrangements of hub `h`, as one cube or a tree of cubes, with the other hubs as they are; the most promising first.
 std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
                                       std::size_t count) {
-  constexpr std::size_t kFirstChoice = 20;
+  // with more branches there are more ways to go wrong
+  const std::size_t first_choice = now.cluster[h].arms.size() > kCubeArms ? 64 : 20;
   std::vector<Arrangement> all;
   const auto add = [&](const Cluster& cluster, int most) {
     Arrangement a{cluster, now.assignments};
@@ -77,7 +78,7 @@ std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arra
       add(divided, 1);
     }
   }
-  keep_best(all, kFirstChoice);
+  keep_best(all, first_choice);
   for (Arrangement& a : all) {
     a.energy = placed_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
   }
@@ -126,22 +127,29 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
       best = std::move(r);
     }
   };
-  const Arrangement first = first_arrangement(surface, cluster);
-  attempt(first, cluster.size() > 1);
-  if (!is_good() && cluster.size() == 1) {
-    for (const Arrangement& a : arrangements(surface, {cluster, first.assignments}, 0, options.candidates)) {
+  const bool alone = cluster.size() == 1;
+  const bool fits = !alone || cluster.front().arms.size() <= kCubeArms;
+  if (fits) {
+    attempt(first_arrangement(surface, cluster), !alone);
+  }
+  if (alone && !is_good()) {
+    const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, options.candidates);
+    if (all.empty()) {
+      throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
+    }
+    for (const Arrangement& a : all) {
       if (!is_good()) {
         attempt(a, false);
       }
     }
     if (!best) {
-      attempt(first, true);
+      attempt(all.front(), true);
     }
   }
   // Of several hubs the weakest is arranged anew, then the next.
   constexpr int kMostRounds = 6;
   std::vector<char> done(best->cluster.size(), 0);
-  for (int round = 0; round < kMostRounds && cluster.size() > 1 && !is_good(); ++round) {
+  for (int round = 0; round < kMostRounds && best->cluster.size() > 1 && !is_good(); ++round) {
     const std::vector<double> least = least_of_hubs(*best);
     std::optional<int> weakest;
     for (int h = 0; h < static_cast<int>(least.size()); ++h) {
