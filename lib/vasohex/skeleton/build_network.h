@@ -26,6 +26,8 @@ struct NetworkOptions {
 ///   without a junction gets its point of lowest index as seam. They keep their positions exactly.
 /// - Branches that go straight on at a junction (within 40 degrees, no other pair nearly as straight) form one smooth
 ///   curve through it. Axes are C2 inside a branch and through such junctions.
+/// - Edges of more than 10 radii from which that curve would swing out by more than 0.25 radii are kept straight, apart
+///   from some radii at corners: those are passed with a bend of about 2 radii, up to 1 radius off the edge at right angles.
 /// - Points closer than about their radius are smoothed as far as their noise asks for, others are interpolated. No
 ///   point moves by more than 0.2 radii (0.75 at bends sharper than the radius), no radius changes by more than 20 %,
 ///   except as follows.
