@@ -365,6 +365,26 @@ TEST(BuildNetwork, LoopsWithoutAHoleAreDropped) {
   EXPECT_EQ(lines_with(n, "too short for a hole"), 2);
 }
 
+TEST(BuildNetwork, JunctionsWithinAFractionOfTheirRadiusBecomeOne) {
+  // a triangle of junctions .2 radii apart, and a further junction .5 radii away that stays
+  Skeleton s;
+  s.points = {{0, 0, 0}, {.2, 0, 0}, {.1, .17, 0}, {-8, -1, 0}, {.5, -8, 0}, {.1, .7, 0}, {7, 5, 0}, {-7, 6, 0}};
+  s.radii = {1, 1.05, 1, 1, 1, 1, 1, 1};
+  s.segments = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {5, 6}, {5, 7}};
+  const Network n = build_network(s);
+  expect_sound(n);
+  EXPECT_EQ(lines_with(n, "made one"), 1);  // then point 2 is no junction any more
+  EXPECT_EQ(lines_with(n, "is there twice"), 1);
+  ASSERT_EQ(n.branches.size(), 5u);
+  EXPECT_EQ(n.nodes[0].point, 1);
+  EXPECT_EQ(n.nodes[0].position, s.points[1]);
+  EXPECT_EQ(n.nodes[0].degree, 3);
+  EXPECT_EQ(n.nodes[3].point, 5);
+  s.points[0] = Vec3(-.4, 0, 0);  // .6 from the next
+  s.points[2] = Vec3(.1, .5, 0);
+  EXPECT_EQ(lines_with(build_network(s), "made one"), 1);  // points 2 and 5
+}
+
 TEST(BuildNetwork, SegmentOfTwoPoints) {
   const Network n = build_network(one_branch(2, 1, [](int i) { return Vec3(0, 0, .1 * i); }));
   expect_sound(n);

@@ -494,7 +494,7 @@ Network build_network(const Skeleton& input, const NetworkOptions& options, cons
   if (options.inlet) {
     named.names[*options.inlet] = "inlet";
   }
-  const Skeleton skeleton = straighten(clean(named, network.repairs), network.repairs);
+  const Skeleton skeleton = straighten(merge_junctions(clean(named, network.repairs), network.repairs), network.repairs);
   Topology topology = topology_of(skeleton);
   for (Chain& chain : topology.chains) {
     own_radii(skeleton, topology, chain, network.repairs);

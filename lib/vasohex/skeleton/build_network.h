@@ -34,6 +34,7 @@ struct NetworkOptions {
 /// - Where a node is more than 15 % wider than a branch one node radius away from it, the branch keeps its own radius
 ///   up to the node: a skeleton has but one radius per point, that of the widest branch.
 /// - Radii change along the axis by at most 0.75 per length between points; steeper bulges are lowered.
+/// - Junctions nearer to each other than 0.3 radii become one (see merge_junctions).
 /// - Points where a branch turns back sharply and loops too short for a hole are left out (see straighten).
 /// - NetworkNode::radius is the largest radius of the branches that meet there.
 /// - Ends: names given win; then per component, the largest volume first, `inlet`, `inlet_2`, ... and, ascending by
