@@ -365,6 +365,26 @@ TEST(BuildNetwork, LoopsWithoutAHoleAreDropped) {
   EXPECT_EQ(lines_with(n, "too short for a hole"), 2);
 }
 
+TEST(BuildNetwork, JunctionsWithinAFractionOfTheirRadiusBecomeOne) {
+  // a triangle of junctions .2 radii apart, and a further junction .5 radii away that stays
+  Skeleton s;
+  s.points = {{0, 0, 0}, {.2, 0, 0}, {.1, .17, 0}, {-8, -1, 0}, {.5, -8, 0}, {.1, .7, 0}, {7, 5, 0}, {-7, 6, 0}};
+  s.radii = {1, 1.05, 1, 1, 1, 1, 1, 1};
+  s.segments = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 4}, {2, 5}, {5, 6}, {5, 7}};
+  const Network n = build_network(s);
+  expect_sound(n);
+  EXPECT_EQ(lines_with(n, "made one"), 1);  // then point 2 is no junction any more
+  EXPECT_EQ(lines_with(n, "is there twice"), 1);
+  ASSERT_EQ(n.branches.size(), 5u);
+  EXPECT_EQ(n.nodes[0].point, 1);
+  EXPECT_EQ(n.nodes[0].position, s.points[1]);
+  EXPECT_EQ(n.nodes[0].degree, 3);
+  EXPECT_EQ(n.nodes[3].point, 5);
+  s.points[0] = Vec3(-.4, 0, 0);  // .6 from the next
+  s.points[2] = Vec3(.1, .5, 0);
+  EXPECT_EQ(lines_with(build_network(s), "made one"), 1);  // points 2 and 5
+}
+
 TEST(BuildNetwork, SegmentOfTwoPoints) {
   const Network n = build_network(one_branch(2, 1, [](int i) { return Vec3(0, 0, .1 * i); }));
   expect_sound(n);
@@ -512,6 +532,82 @@ TEST(BuildNetwork, NoiseIsRemovedWithinBounds) {
   }
 }
 
+double distance_to_polyline(const Skeleton& s, const Vec3& p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [i, j] : s.segments) {
+    const Vec3 edge = s.points[j] - s.points[i], to = p - s.points[i];
+    nearest = std::min(nearest, (to - std::clamp(to.dot(edge) / edge.squaredNorm(), 0.0, 1.0) * edge).norm());
+  }
+  return nearest;
+}
+
+/// Edges of 12 to 60 radii with corners up to 90 degrees, a junction that goes straight on with a bend, a long side.
+Skeleton far_apart() {
+  Skeleton s;
+  s.points = {{0, 0, 0},    {60, 0, 0},   {60, 40, 0},  {72, 52, 0},
+              {80, 70, 30}, {40, -6, 50}, {95, 95, 60}, {140, 60, 33}};
+  s.radii = {1, 1, 1.2, 1.2, 1.5, .7, 1.1, .8};
+  add_chain(s, {0, 1, 2, 3, 4, 6});
+  s.segments.push_back({1, 5});
+  s.segments.push_back({4, 7});
+  return s;
+}
+
+TEST(BuildNetwork, EdgesBetweenPointsFarApartStayStraight) {
+  const Skeleton s = far_apart();
+  const Network n = build_network(s);
+  expect_sound(n);
+  EXPECT_EQ(lines_with(n, "note: between points far apart the axis is straight"), 1);
+  for (const Branch& b : n.branches) {
+    for (std::size_t i = 0; i < b.points.size(); ++i) {
+      double corner = std::numeric_limits<double>::infinity();  // distance in radii
+      for (const Vec3& p : s.points) {
+        corner = std::min(corner, (b.points[i] - p).norm() / b.radii[i]);
+      }
+      EXPECT_LT(distance_to_polyline(s, b.points[i]), (corner > 10 ? .1 : 1.1) * b.radii[i]) << corner;
+      if (i > 0) {
+        const double bent = (b.tangents[i] - b.tangents[i - 1]).norm() / (b.arc[i] - b.arc[i - 1]);
+        EXPECT_LT(bent * b.radii[i], 1 / 1.5);
+      }
+    }
+  }
+}
+
+TEST(BuildNetwork, CornersBetweenLongEdgesAreRounded) {
+  for (const double degrees : {15.0, 40.0, 90.0, 115.0}) {
+    const double a = degrees * kPi / 180;
+    const Network n = build_network(one_branch(3, 2, [&](int i) {
+      return i == 2 ? Vec3(100 + 200 * std::cos(a), 200 * std::sin(a), 0) : Vec3(100 * i, 0, 0);
+    }));
+    expect_sound(n);
+    const Branch& b = n.branches[0];
+    for (std::size_t i = 1; i < b.points.size(); ++i) {
+      EXPECT_LT((b.tangents[i] - b.tangents[i - 1]).norm() / (b.arc[i] - b.arc[i - 1]) * 2, 1 / (degrees > 100 ? 1.1 : 1.45)) << degrees;
+    }
+  }
+}
+
+TEST(BuildNetwork, ClosedCurveOfLongEdges) {
+  const Skeleton open = one_branch(4, 1, [](int i) { return Vec3(i % 3 == 0 ? 0 : 40, i < 2 ? 0 : 30, 0); });
+  Skeleton s = open;
+  s.segments.push_back({3, 0});
+  const Network n = build_network(s);
+  expect_sound(n);
+  ASSERT_EQ(n.branches.size(), 1u);
+  const Branch& b = n.branches[0];
+  EXPECT_LT((b.tangents.front() - b.tangents.back()).norm(), 1e-9);
+  EXPECT_LT(largest_distance(b, [&](const Vec3& p) { return distance_to_polyline(s, p); }), 1.1);
+  EXPECT_NEAR(b.length(), 140, 2);
+}
+
+TEST(BuildNetwork, LongChordsOfACurveStaySmooth) {  // 12 degrees each, 8 radii long
+  const double bend = 40;
+  const Network n = build_network(
+      one_branch(20, 1, [&](int i) { return Vec3(bend * std::cos(.2 * i), bend * std::sin(.2 * i), 0); }));
+  EXPECT_EQ(lines_with(n, "far apart"), 0);
+  EXPECT_LT(largest_distance(n.branches[0], [&](const Vec3& p) { return std::abs(p.norm() - bend); }), .05);
+}
+
 TEST(BuildNetwork, SharpCornersAreRounded) {
   const Network n = build_network(
       one_branch(41, 1, [](int i) { return i <= 20 ? Vec3(.4 * i, 0, 0) : Vec3(8, .4 * (i - 20), 0); }));
@@ -588,8 +684,11 @@ Skeleton noisy_tree() {
   return s;
 }
 
-TEST(BuildNetwork, CommutesWithScalingAndRigidMotion) {
-  const Skeleton s = noisy_tree();
+class Moved : public testing::TestWithParam<Skeleton (*)()> {};
+INSTANTIATE_TEST_SUITE_P(BuildNetwork, Moved, testing::Values(&noisy_tree, &far_apart));
+
+TEST_P(Moved, CommutesWithScalingAndRigidMotion) {
+  const Skeleton s = GetParam()();
   const Network plain = build_network(s);
   expect_sound(plain);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();

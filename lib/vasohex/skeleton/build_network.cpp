@@ -234,7 +234,31 @@ struct Changes {
   Largest moved;     ///< over the radius
   Largest smoothed;  ///< relative change of the radius
   Largest lowered;   ///< relative
+  Largest rounded;   ///< distance of the axis from straight edges, over the radius
+  int straightened = 0;
 };
+
+/// The stretch of a curve from point `start` of its path on, as long as the radii there reach. Knots between points
+/// take their radii from the interpolant between those, so that they change nothing about them.
+AxisPiece piece_between(const PathCurve& curve, std::size_t start, const std::vector<double>& radii) {
+  std::vector<double> at;
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    at.push_back(curve.spline.t[curve.knots[start + i]]);
+  }
+  const std::vector<double> slopes = monotone_slopes(at, radii);
+  AxisPiece piece{curve.knots[start], curve.knots[start + radii.size() - 1], {radii[0]}, {slopes[0]}};
+  for (std::size_t i = 0; i + 1 < radii.size(); ++i) {
+    const double h = at[i + 1] - at[i];
+    for (std::size_t k = curve.knots[start + i] + 1; k < curve.knots[start + i + 1]; ++k) {
+      const double u = (curve.spline.t[k] - at[i]) / h;
+      piece.radii.push_back(hermite(radii[i], slopes[i], radii[i + 1], slopes[i + 1], h, u));
+      piece.slopes.push_back(hermite_derivative(radii[i], slopes[i], radii[i + 1], slopes[i + 1], h, u));
+    }
+    piece.radii.push_back(radii[i + 1]);
+    piece.slopes.push_back(slopes[i + 1]);
+  }
+  return piece;
+}
 
 template <class T>
 std::vector<T> oriented(const std::vector<T>& values, int side) {
@@ -314,15 +338,16 @@ void add_branches(const Skeleton& skeleton, const Topology& topology, Path path,
     }
   }
 
-  const SpaceSpline spline = smooth_points(curve, scale);
+  const PathCurve near = curve_near(curve, scale);
+  const SpaceSpline& spline = near.spline;
   for (std::size_t i = 0; i < n; ++i) {
-    changes.moved.add((spline.points[i] - curve.points[i]).norm() / scale[i], points[i]);
+    changes.moved.add((spline.points[near.knots[i]] - curve.points[i]).norm() / scale[i], points[i]);
   }
+  changes.straightened += near.straightened;
+  changes.rounded.add(near.off_edge, points[near.off_edge_at]);
   for (std::size_t k = 0; k < path.chains.size(); ++k) {
     const auto [chain, side] = path.chains[k];
-    const std::span<const double> at(spline.t.data() + starts[k], starts[k + 1] - starts[k] + 1);
-    AxisPiece piece{starts[k], starts[k + 1], radii[k], monotone_slopes(at, radii[k])};
-    Branch branch = sample_axis(spline, piece);
+    Branch branch = sample_axis(spline, piece_between(near, starts[k], radii[k]));
     if (side == 1) {
       std::reverse(branch.points.begin(), branch.points.end());
       std::reverse(branch.radii.begin(), branch.radii.end());
@@ -469,7 +494,7 @@ Network build_network(const Skeleton& input, const NetworkOptions& options, cons
   if (options.inlet) {
     named.names[*options.inlet] = "inlet";
   }
-  const Skeleton skeleton = straighten(clean(named, network.repairs), network.repairs);
+  const Skeleton skeleton = straighten(merge_junctions(clean(named, network.repairs), network.repairs), network.repairs);
   Topology topology = topology_of(skeleton);
   for (Chain& chain : topology.chains) {
     own_radii(skeleton, topology, chain, network.repairs);
@@ -500,6 +525,12 @@ Network build_network(const Skeleton& input, const NetworkOptions& options, cons
   report(changes.moved, 0.01, "smoothing moved points by up to ", 1, " radii");
   report(changes.smoothed, 0.01, "smoothing changed radii by up to ", 100, " %");
   report(changes.lowered, 0.01, "radii that change by more than 0.75 per length lowered by up to ", 100, " %");
+  if (changes.straightened > 0) {
+    network.repairs.push_back("note: between points far apart the axis is straight, on " +
+                              std::to_string(changes.straightened) + " stretches; corners are rounded, " +
+                              short_text(std::round(100 * changes.rounded.value) / 100) +
+                              " radii off the line at most, at " + place_of(skeleton, changes.rounded.point));
+  }
   give_names(skeleton, network);
   choose_names(skeleton, run, network);
   run.progress("network", 1);

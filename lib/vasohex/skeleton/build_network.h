@@ -26,12 +26,15 @@ struct NetworkOptions {
 ///   without a junction gets its point of lowest index as seam. They keep their positions exactly.
 /// - Branches that go straight on at a junction (within 40 degrees, no other pair nearly as straight) form one smooth
 ///   curve through it. Axes are C2 inside a branch and through such junctions.
+/// - Edges of more than 10 radii from which that curve would swing out by more than 0.25 radii are kept straight, apart
+///   from some radii at corners: those are passed with a bend of about 2 radii, up to 1 radius off the edge at right angles.
 /// - Points closer than about their radius are smoothed as far as their noise asks for, others are interpolated. No
 ///   point moves by more than 0.2 radii (0.75 at bends sharper than the radius), no radius changes by more than 20 %,
 ///   except as follows.
 /// - Where a node is more than 15 % wider than a branch one node radius away from it, the branch keeps its own radius
 ///   up to the node: a skeleton has but one radius per point, that of the widest branch.
 /// - Radii change along the axis by at most 0.75 per length between points; steeper bulges are lowered.
+/// - Junctions nearer to each other than 0.3 radii become one (see merge_junctions).
 /// - Points where a branch turns back sharply and loops too short for a hole are left out (see straighten).
 /// - NetworkNode::radius is the largest radius of the branches that meet there.
 /// - Ends: names given win; then per component, the largest volume first, `inlet`, `inlet_2`, ... and, ascending by

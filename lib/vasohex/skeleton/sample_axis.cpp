@@ -20,6 +20,9 @@ struct Cell {
 constexpr std::array<double, 3> kGaussPoints{0.11270166537925831, 0.5, 0.8872983346207417};
 constexpr std::array<double, 3> kGaussWeights{5.0 / 18, 8.0 / 18, 5.0 / 18};
 
+/// The next integer; whole numbers stay, whatever rounding did to them: turned copies get as many samples.
+double ceil_of(double value) { return std::ceil(value * (1 - 1e-10)); }
+
 double arc_length(const SpaceSpline& spline, std::size_t knot, double begin, double length) {
   double sum = 0;
   for (int g = 0; g < 3; ++g) {
@@ -48,7 +51,7 @@ Branch sample_axis(const SpaceSpline& spline, const AxisPiece& piece) {
     const double bent =
         std::max(curvature(spline.at(knot, spline.t[knot])), curvature(spline.at(knot, spline.t[knot + 1])));
     const int count =
-        static_cast<int>(std::clamp(std::ceil(h * std::max(10 / r, 20 * std::min(bent, 10 / r))), 2.0, 1e4));
+        static_cast<int>(std::clamp(ceil_of(h * std::max(10 / r, 20 * std::min(bent, 10 / r))), 2.0, 1e4));
     for (int c = 0; c < count; ++c) {
       Cell cell{knot, spline.t[knot] + h * c / count, h / count, arc, need, 0};
       for (int g = 0; g < 5; ++g) {  // both ends and the Gauss points
@@ -72,7 +75,7 @@ Branch sample_axis(const SpaceSpline& spline, const AxisPiece& piece) {
   std::vector<double> parameters;
   std::vector<std::size_t> cell_of;
   std::vector<double> arcs;
-  for (int intervals = std::max(4, static_cast<int>(std::ceil(need)));; intervals += 1 + intervals / 20) {
+  for (int intervals = std::max(4, static_cast<int>(ceil_of(need)));; intervals += 1 + intervals / 20) {
     parameters.assign(1, cells.front().begin);
     cell_of.assign(1, 0);
     arcs.assign(1, 0.0);

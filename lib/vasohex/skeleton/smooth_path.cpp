@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace vasohex {
 namespace {
@@ -19,6 +20,10 @@ constexpr double kMove = 0.2;          // largest displacement, in radii
 constexpr double kRadiusChange = 0.2;  // largest relative change
 constexpr double kSharp = 0.87;        // curvature times radius from which bends are softened
 constexpr double kSlope = 0.75;        // steepest change of the radius per length
+constexpr double kLongEdge = 10.0;     // in radii: such an edge is meant to be straight
+constexpr double kOffEdge = 0.25;      // largest distance from a long edge that needs no help, in radii
+constexpr double kCornerBend = 2.2;    // bend radius aimed at between straight edges, in radii
+constexpr double kKnotSpacing = 2.0;   // of knots along straight edges, in radii
 
 /// 1 for spacings below 0.75 radii, falling to 0 at 1.25: sparser points are meant, not sampled.
 double dense(double spacing_over_radius) {
@@ -214,6 +219,101 @@ SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& rad
     }
   }
   return spline;
+}
+
+PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
+  const std::size_t n = path.points.size(), edges = path.closed ? n : n - 1;
+  std::vector<Vec3> direction(edges);
+  std::vector<double> length(edges);
+  for (std::size_t e = 0; e < edges; ++e) {
+    const Vec3 edge = path.points[(e + 1) % n] - path.points[e];
+    length[e] = edge.norm();
+    direction[e] = edge / length[e];
+  }
+  // With a knot at distance a from a corner of angle w the spline bends there with a radius of about
+  // a cos^2(w / 2) / (2 sqrt 3 sin(w / 2)), and swings out by .03 a^2 over that; beyond 60 degrees less is asked for
+  const auto first_knot = [&](std::size_t e, std::size_t end) {
+    const std::size_t point = e + end;
+    double half_sine = 0;
+    if (path.closed || (point > 0 && point < n - 1)) {
+      half_sine = (direction[(point + edges - 1) % edges] - direction[point % edges]).norm() / 2;
+    }
+    const double half_cosine = std::sqrt(std::max(0.5, 1 - half_sine * half_sine));
+    return std::max(kKnotSpacing, 2 * std::numbers::sqrt3 * kCornerBend * half_sine / half_cosine) * radii[point % n];
+  };
+  // Places of the knots within an edge, as parts of its length
+  const auto places = [&](std::size_t e) {
+    double from = first_knot(e, 0), to = length[e] - first_knot(e, 1);
+    if (to - from < kKnotSpacing / 2 * std::max(radii[e], radii[(e + 1) % n])) {
+      const double shrink = length[e] / (from + length[e] - to);
+      return std::vector<double>{from * shrink / length[e]};
+    }
+    // close to the corners as dense as there, growing no more than the radius: swings die out within few knots
+    const double r0 = radii[e], r1 = radii[(e + 1) % n];
+    const double mean = std::abs(r1 / r0 - 1) < 1e-3 ? r0 : (r1 - r0) / std::log(r1 / r0);
+    const int count = std::max(1, static_cast<int>(std::floor((to - from) / (kKnotSpacing * mean) + 0.5 + 1e-9)));
+    std::vector<double> result;
+    for (int k = 0; k <= count; ++k) {
+      const double u = static_cast<double>(k) / count;
+      const double part = std::abs(r1 / r0 - 1) < 1e-3 ? u : (std::pow(r1 / r0, u) - 1) / (r1 / r0 - 1);
+      result.push_back((from + part * (to - from)) / length[e]);
+    }
+    return result;
+  };
+
+  PathCurve curve;
+  std::vector<bool> straight(edges, false);
+  for (;;) {
+    PathPoints all;
+    all.closed = path.closed;
+    std::vector<double> scale;
+    curve.knots.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+      curve.knots.push_back(all.points.size());
+      all.points.push_back(path.points[i]);
+      all.fixed.push_back(path.fixed[i]);
+      scale.push_back(radii[i]);
+      if (i < edges && straight[i]) {
+        for (const double u : places(i)) {
+          all.points.push_back((1 - u) * path.points[i] + u * path.points[(i + 1) % n]);
+          all.fixed.push_back(false);
+          scale.push_back((1 - u) * radii[i] + u * radii[(i + 1) % n]);
+        }
+      }
+    }
+    if (path.closed) {
+      curve.knots.push_back(all.points.size());
+    }
+    curve.spline = smooth_points(all, scale);
+    curve.off_edge = 0;
+    bool settled = true;
+    for (std::size_t e = 0; e < edges; ++e) {
+      const double r0 = radii[e], r1 = radii[(e + 1) % n];
+      if (length[e] <= kLongEdge * (r0 + r1) / 2) {
+        continue;
+      }
+      for (std::size_t k = curve.knots[e]; k < curve.knots[e + 1]; ++k) {
+        constexpr int steps = 16;
+        for (int i = 0; i < steps; ++i) {
+          const double step = (curve.spline.t[k + 1] - curve.spline.t[k]) / steps;
+          const Vec3 p = curve.spline.at(k, curve.spline.t[k] + i * step).position - path.points[e];
+          const double along = std::clamp(p.dot(direction[e]) / length[e], 0.0, 1.0);
+          const double off = (p - along * length[e] * direction[e]).norm() / ((1 - along) * r0 + along * r1);
+          if (straight[e] && off > curve.off_edge) {
+            curve.off_edge = off;
+            curve.off_edge_at = (along < 0.5 ? e : e + 1) % n;
+          } else if (!straight[e] && off > kOffEdge) {
+            straight[e] = true;
+            ++curve.straightened;
+            settled = false;
+          }
+        }
+      }
+    }
+    if (settled) {
+      return curve;
+    }
+  }
 }
 
 }  // namespace vasohex

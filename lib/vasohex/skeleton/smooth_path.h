@@ -29,4 +29,17 @@ std::vector<double> limit_slope(const std::vector<double>& t, std::vector<double
 /// point, of a closed path the first again at the end. radii [n]: the scale of noise that matters.
 SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& radii);
 
+/// A C2 curve near the points that does not swing out between points far apart.
+struct PathCurve {
+  SpaceSpline spline;
+  std::vector<std::size_t> knots;  ///< [n] (closed: [n + 1]) the knot of each point; others lie in between
+  int straightened = 0;            ///< edges that got knots of their own
+  double off_edge = 0;             ///< largest distance of the curve from such an edge, in radii
+  std::size_t off_edge_at = 0;     ///< the nearer point of the path
+};
+
+/// The curve of smooth_points, unless it leaves an edge of more than 10 radii by more than 0.25 radii: such an edge is
+/// followed as a straight line, apart from some radii at corners, which are passed with a bend of about 2 radii.
+PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii);
+
 }  // namespace vasohex

@@ -14,7 +14,8 @@ namespace vasohex {
 namespace {
 
 constexpr double kTurnsBack = 2 * std::numbers::pi / 3;
-constexpr double kAside = 4;  // radii
+constexpr double kAside = 4;          // radii
+constexpr double kOneJunction = 0.3;  // largest distance between two junctions that are one, in radii
 
 using Pair = std::array<int, 2>;
 
@@ -174,6 +175,69 @@ std::vector<PointChain> split(const Skeleton& skeleton) {
     }
   }
   return chains;
+}
+
+Skeleton merge_junctions(Skeleton skeleton, std::vector<std::string>& repairs) {
+  for (bool merged = true; merged;) {
+    merged = false;
+    std::vector<int> degree(skeleton.points.size(), 0);
+    for (const auto& [a, b] : skeleton.segments) {
+      ++degree[a];
+      ++degree[b];
+    }
+    struct Link {
+      double distance;  // over the radius
+      PointChain chain;
+    };
+    std::vector<Link> links;
+    for (PointChain& chain : split(skeleton)) {
+      const int a = chain.front(), b = chain.back();
+      const double distance = length(skeleton, chain) / std::max(skeleton.radii[a], skeleton.radii[b]);
+      if (a != b && degree[a] > 2 && degree[b] > 2 && distance < kOneJunction) {
+        links.push_back({distance, std::move(chain)});
+      }
+    }
+    std::stable_sort(links.begin(), links.end(),
+                     [](const Link& x, const Link& y) { return x.distance < y.distance; });
+    std::set<int> touched;
+    std::map<int, int> instead;
+    for (const Link& link : links) {
+      int keep = std::min(link.chain.front(), link.chain.back()),
+          drop = std::max(link.chain.front(), link.chain.back());
+      if (skeleton.radii[drop] > skeleton.radii[keep] * (1 + 1e-9)) {
+        std::swap(keep, drop);
+      }
+      if (touched.contains(keep) || touched.contains(drop)) {
+        continue;  // in the next round
+      }
+      touched.insert({keep, drop});
+      instead[drop] = keep;
+      remove_chain(skeleton, link.chain);
+      repairs.push_back("the junctions at " + place_of(skeleton, drop) + " and at " + place_of(skeleton, keep) +
+                        " are " + short_text(std::round(100 * link.distance) / 100) +
+                        " radii apart: made one, at the latter");
+      merged = true;
+    }
+    std::set<Pair> seen;
+    std::vector<Pair> segments;
+    for (Pair s : skeleton.segments) {
+      for (int& p : s) {
+        const auto other = instead.find(p);
+        p = other == instead.end() ? p : other->second;
+      }
+      if (s[0] == s[1]) {
+        continue;
+      }
+      if (seen.insert(pair(s[0], s[1])).second) {
+        segments.push_back(s);
+      } else {
+        repairs.push_back("with that the segment between " + place_of(skeleton, s[0]) + " and " +
+                          place_of(skeleton, s[1]) + " is there twice: one dropped");
+      }
+    }
+    skeleton.segments = std::move(segments);
+  }
+  return skeleton;
 }
 
 Skeleton straighten(Skeleton skeleton, std::vector<std::string>& repairs) {

@@ -16,6 +16,10 @@ using PointChain = std::vector<int>;
 /// All branches of a clean skeleton (see clean), ascending by their first point.
 std::vector<PointChain> split(const Skeleton& skeleton);
 
+/// A clean skeleton in which junctions nearer to each other, along the branch between them, than 0.3 of the larger
+/// radius are one: the wider one stays where it is. Adds one line to `repairs` for each.
+Skeleton merge_junctions(Skeleton skeleton, std::vector<std::string>& repairs);
+
 /// A clean skeleton without
 /// - closed tubes without a hole: a branch back to its own start, or the longer of two between the same points, where
 ///   the way around is shorter than around a circle of the mean radius;
