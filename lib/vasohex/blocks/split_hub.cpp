@@ -94,14 +94,15 @@ std::vector<std::vector<Group>> groupings(const Hub& hub) {
   return best;
 }
 
-/// The way from the hub to the cube of a group, in the middle of its arms: more than halfway to where the first two of
-/// them part. Empty if the arms have no middle.
+/// The way from the hub to the cube of a group, in the middle of its arms, as far as where the first two of them part:
+/// measured on junctions of 6 to 8 branches, cubes half as far are too near that in the middle. Empty if the arms have
+/// no middle.
 ArmAxis way_to_cube(const Hub& hub, const Group& group) {
-  double parting = 1e300, radius = 0;
+  double end = 1e300, radius = 0;
   for (std::size_t a = 0; a < group.size(); ++a) {
     radius = std::max(radius, hub.arms[group[a]].radius);
     for (std::size_t b = a + 1; b < group.size(); ++b) {
-      parting = std::min(parting, parting_length(hub.arms[group[a]].axis, hub.arms[group[b]].axis));
+      end = std::min(end, parting_length(hub.arms[group[a]].axis, hub.arms[group[b]].axis));
     }
   }
   const auto middle = [&](double s) {
@@ -114,7 +115,6 @@ ArmAxis way_to_cube(const Hub& hub, const Group& group) {
     }
     return Vec3(sum / radii);
   };
-  const double end = std::max(0.57 * parting, parting - 1.5 * radius);
   const int pieces = std::max(2, static_cast<int>(std::ceil(end / (0.25 * radius))));
   ArmAxis way;
   for (int i = 0; i <= pieces; ++i) {
