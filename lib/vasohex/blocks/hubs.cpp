@@ -36,7 +36,7 @@ bool is_tube(const ImplicitSurface& surface, const AxisPoint& p) {
     const double angle = ray * std::numbers::pi / 6;
     const Vec3 direction = std::cos(angle) * f.x + std::sin(angle) * f.y;
     const auto t = shoot(surface, f.origin, direction, f.radius, 1.3 * f.radius);
-    if (!t || *t > 1.2 * f.radius || *t < 0.7 * f.radius) {
+    if (!t || *t > 1.05 * f.radius || *t < 0.7 * f.radius) {
       return false;
     }
   }

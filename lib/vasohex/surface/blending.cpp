@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <ranges>
 #include <set>
+#include <utility>
 
 namespace vasohex {
 namespace {
@@ -73,6 +76,39 @@ BlendBall node_ball(const Network& network, int node, const std::vector<BranchEn
   return ball;
 }
 
+/// Where branches from two nodes close to each other have not parted yet: around all points of each that lie within the
+/// other, and beyond by as much as a tube needs for a rounded crotch. Nothing if they start apart. Tubes that part
+/// within their trunk get a ball within it, which cannot be seen.
+std::optional<BlendBall> sibling_ball(const Network& network, const BranchEnd& i, const BranchEnd& j) {
+  const AxisPoint start_i = end_point(network, i, 0), start_j = end_point(network, j, 0);
+  const double depth = start_i.radius + start_j.radius - (start_i.position - start_j.position).norm();
+  if (depth <= 0) {
+    return std::nullopt;
+  }
+  const double step = 0.1 * std::min(start_i.radius, start_j.radius);
+  const double longest = 8 * std::max(start_i.radius, start_j.radius);
+  BlendBall ball;
+  ball.center = 0.5 * (start_i.position + start_j.position);
+  for (const auto& [from, to] : {std::pair(i, j), std::pair(j, i)}) {
+    const double length = std::min(longest, network.branches[from.branch].length());
+    const double other = std::min(longest, network.branches[to.branch].length());
+    bool within = true;
+    for (double s = 0; s < length && within; s += step) {
+      const AxisPoint a = end_point(network, from, s);
+      within = false;
+      for (double t = 0; t < other && !within; t += step) {
+        const AxisPoint b = end_point(network, to, t);
+        within = (a.position - b.position).norm() < a.radius + b.radius;
+      }
+      ball.inner = std::max(ball.inner, (a.position - ball.center).norm());
+    }
+  }
+  const double margin = std::min({depth, start_i.radius, start_j.radius});
+  ball.inner += margin;
+  ball.outer = ball.inner + 2 * margin;
+  return ball;
+}
+
 /// Small, so that the turns of a coil stay apart; yet where both sides of the cut reach (1.5 radii, 1.7 on steep
 /// tapers) the weight is 1, and the cut cannot be seen.
 BlendBall cut_ball(const Branch& branch, double arc) {
@@ -105,6 +141,40 @@ std::vector<double> cut_branch(const Branch& branch, double first_ball, double l
   return cuts;
 }
 
+/// The balls of the siblings of all joints.
+void add_siblings(const Network& network, Blending& blending) {
+  // [piece]: the ends of its branch where it starts and ends
+  std::vector<int> branch_of(blending.nodes_of.size(), 0);
+  for (std::size_t b = 0; b < blending.first_piece.size(); ++b) {
+    const int first = blending.first_piece[b];
+    std::fill_n(branch_of.begin() + first, blending.cuts[b].size() + 1, static_cast<int>(b));
+  }
+  blending.siblings.resize(blending.joints.size());
+  for (std::size_t joint = 0; joint < blending.joints.size(); ++joint) {
+    const std::vector<int>& pieces = blending.pieces_of[joint];
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      for (std::size_t k = i + 1; k < pieces.size(); ++k) {
+        if (!blending.are_siblings(static_cast<int>(joint), pieces[i], pieces[k])) {
+          continue;
+        }
+        for (int side = 0; side < 4; ++side) {
+          const int p = pieces[i], q = pieces[k], at_p = side % 2, at_q = side / 2;
+          if (blending.nodes_of[p][at_p] < 0 || blending.nodes_of[q][at_q] < 0) {
+            continue;
+          }
+          if (const auto ball = sibling_ball(network, {branch_of[p], at_p}, {branch_of[q], at_q})) {
+            blending.siblings[joint].push_back({{p, q}, *ball});
+          }
+        }
+      }
+    }
+    // after all pairs: whether the joint has siblings is told by the number of its balls
+    for (const SiblingBall& s : blending.siblings[joint]) {
+      blending.joints[joint].push_back(s.ball);
+    }
+  }
+}
+
 }  // namespace
 
 double smooth_step(double x) {
@@ -112,10 +182,14 @@ double smooth_step(double x) {
   return x * x * x * (10 + x * (6 * x - 15));
 }
 
-BlendWeight Blending::weight(int joint, const Vec3& x) const {
+namespace {
+
+/// 1 - product over the balls of (1 - weight).
+template <typename Balls>
+BlendWeight weight_of(Balls&& balls, const Vec3& x) {
   double rest = 1;  // product of (1 - weight)
   Vec3 gradient = Vec3::Zero();
-  for (const BlendBall& ball : joints[joint]) {
+  for (const BlendBall& ball : balls) {
     const Vec3 away = x - ball.center;
     const double squared = away.squaredNorm();
     if (squared >= ball.outer * ball.outer) {
@@ -131,6 +205,16 @@ BlendWeight Blending::weight(int joint, const Vec3& x) const {
     rest *= factor;
   }
   return {1 - rest, gradient};
+}
+
+}  // namespace
+
+BlendWeight Blending::weight(int joint, const Vec3& x) const { return weight_of(joints[joint], x); }
+
+BlendWeight Blending::sibling_weight(int joint, int piece, int other, const Vec3& x) const {
+  const std::array<int, 2> pair{std::min(piece, other), std::max(piece, other)};
+  const auto of_pair = [&](const SiblingBall& s) { return s.pieces == pair; };
+  return weight_of(siblings[joint] | std::views::filter(of_pair) | std::views::transform(&SiblingBall::ball), x);
 }
 
 bool Blending::are_siblings(int joint, int piece, int other) const {
@@ -262,6 +346,7 @@ Blending make_blending(const Network& network) {
       blending.pieces_of[joint].push_back(piece);
     }
   }
+  add_siblings(network, blending);
   return blending;
 }
 

@@ -7,7 +7,9 @@
 /// their nodes. With F_c the fields of the pieces, the field of the network is
 ///     max over joints of ((1 - w) max_c F_c + w sum_c F_c),   c: the pieces of the joint,
 /// and F_c of pieces in no joint. The sum counts two pieces that meet at no node (side branches of one trunk, from
-/// junctions close to each other) only where others of the joint are: beyond the trunk they are separate vessels.
+/// junctions close to each other) only where others of the joint are, since beyond the trunk they are separate vessels,
+/// and where their tubes have not parted yet: around their own ball, or their union would have a crease that no block
+/// can follow.
 /// Blending within one joint at a time: a piece that belongs to two must not make the vessels of one merge with those
 /// of the other.
 
@@ -32,11 +34,18 @@ struct BlendWeight {
   Vec3 gradient = Vec3::Zero();
 };
 
+/// Where two pieces of a joint that meet at no node have not parted yet.
+struct SiblingBall {
+  std::array<int, 2> pieces{};  ///< ascending
+  BlendBall ball;
+};
+
 struct Blending {
   std::vector<BlendBall> node_balls;      ///< [node]; inner = outer = 0 at ends
   std::vector<std::vector<double>> cuts;  ///< [branch]: arc lengths where it is cut, ascending, ends not included
   std::vector<int> first_piece;           ///< [branch]: its pieces are first_piece + 0 ... cuts.size(), in order
-  std::vector<std::vector<BlendBall>> joints;  ///< [joint]: the balls around its nodes
+  std::vector<std::vector<BlendBall>> joints;  ///< [joint]: the balls around its nodes, then those of its siblings
+  std::vector<std::vector<SiblingBall>> siblings;  ///< [joint]
   std::vector<std::vector<int>> joints_of;     ///< [piece]: the joints it belongs to, ascending
   std::vector<std::vector<int>> pieces_of;     ///< [joint]: its pieces, ascending
   std::vector<std::array<int, 2>> nodes_of;    ///< [piece]: nodes of the network where it starts and ends; -1: a cut
@@ -52,6 +61,9 @@ struct Blending {
 
   /// 1 - product over the balls of a joint of (1 - weight).
   BlendWeight weight(int joint, const Vec3& x) const;
+
+  /// The same over the balls of two siblings of a joint.
+  BlendWeight sibling_weight(int joint, int piece, int other, const Vec3& x) const;
 };
 
 /// Pieces and joints of a network. Around a node with largest radius r the inner ball has radius R1 = max(t, r) + r

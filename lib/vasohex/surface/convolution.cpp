@@ -164,8 +164,9 @@ class ConvolutionSurface final : public ImplicitSurface {
     }
   }
 
-  /// Takes from `others` the lesser of two pieces that meet at no node, where no third piece of the joint is.
-  void separate_siblings(std::span<const PieceSums::Sum> sums, int joint, const ConeSum& greatest,
+  /// Takes from `others` the lesser of two pieces that meet at no node, where no third piece of the joint is and they
+  /// have parted.
+  void separate_siblings(std::span<const PieceSums::Sum> sums, int joint, const ConeSum& greatest, const Vec3& x,
                          ConeSum& others) const {
     constexpr double present = 0.2;  // a field that counts as there; 1 is the wall
     if (blending_->joints[joint].size() < 2) {
@@ -189,9 +190,11 @@ class ConvolutionSurface final : public ImplicitSurface {
         }
         const double absent = 1 - smooth_step(t);
         const double slope = -30 * t * t * (1 - t) * (1 - t) / present;
-        others.value -= absent * lesser.value;
-        others.gradient -=
-            absent * lesser.gradient + slope * lesser.value * (all.gradient - sums[i].gradient - sums[k].gradient);
+        const BlendWeight together = blending_->sibling_weight(joint, sums[i].piece, sums[k].piece, x);
+        const double apart = 1 - together.value;
+        others.value -= absent * apart * lesser.value;
+        others.gradient -= absent * apart * lesser.gradient - absent * lesser.value * together.gradient +
+                           slope * apart * lesser.value * (all.gradient - sums[i].gradient - sums[k].gradient);
       }
     }
   }
@@ -209,7 +212,7 @@ class ConvolutionSurface final : public ImplicitSurface {
         others.gradient += sum.gradient;
       }
     }
-    separate_siblings(sums, joint, greatest, others);
+    separate_siblings(sums, joint, greatest, x, others);
     const BlendWeight weight = blending_->weight(joint, x);
     ConeSum field = greatest;
     field.value += weight.value * others.value;
@@ -352,6 +355,17 @@ Axis make_axis(const Network& network, int index, const Blending& blending) {
     axis.arc.insert(axis.arc.end(), arc.begin() + 1, arc.end());
     axis.piece.insert(axis.piece.end(), arc.size() - 1, blending.first_piece[index] + static_cast<int>(k));
   }
+  std::vector<BlendBall> siblings;
+  for (int piece = blending.first_piece[index]; piece < blending.first_piece[index] + static_cast<int>(stops.size()) - 1;
+       ++piece) {
+    for (const int joint : blending.joints_of[piece]) {
+      for (const SiblingBall& s : blending.siblings[joint]) {
+        if (s.pieces[0] == piece || s.pieces[1] == piece) {
+          siblings.push_back(s.ball);
+        }
+      }
+    }
+  }
   for (const double s : axis.arc) {
     axis.target.push_back(axis_point(branch, s));
     double freedom = 1;
@@ -361,6 +375,10 @@ Axis make_axis(const Network& network, int index, const Blending& blending) {
         const double r = 0.5 * (ball.outer - ball.inner);
         freedom *= smooth_step(((side == 0 ? s : branch.length() - s) - (ball.inner - 0.5 * r)) / r);
       }
+    }
+    for (const BlendBall& ball : siblings) {
+      const double r = 0.5 * (ball.outer - ball.inner);
+      freedom *= smooth_step(((axis.target.back().position - ball.center).norm() - (ball.inner - 0.5 * r)) / r);
     }
     axis.freedom.push_back(freedom);
     const Vec3& tangent = axis.target.back().tangent;
