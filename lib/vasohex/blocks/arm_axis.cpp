@@ -87,7 +87,7 @@ std::vector<int> layer_places(const ArmAxis& axis, bool cube_at_end) {
     before.push_back(before.back() + std::max(along, turn / 0.7));
   }
   const double first = kCube, last = before.back() - (cube_at_end ? kCube : 0.0);
-  const int layers = static_cast<int>(std::lround(last - first - 0.1));
+  const int layers = static_cast<int>(std::lround(last - first - 0.4));
   std::vector<int> places;
   for (int layer = 1; layer < layers; ++layer) {
     const double wanted = first + (last - first) * layer / layers;
