@@ -168,18 +168,50 @@ TEST(RealVessels, AreCertifiedAtOrders1To3) {
   }
 }
 
+/// Below the blocks' degree their last stage is for the mesh asked for.
+TEST(Mesh, OfLowOrderIsBetterThanOneOfBlocksForAnyOrder) {
+  struct Asked {
+    const char* name;
+    Skeleton skeleton;
+    int order, elements;
+    double least;
+  };
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY();
+  const Skeleton y120 =
+      gallery::star({gallery::spherical(0, 0), gallery::spherical(120, 0), gallery::spherical(240, 0)}, {1, 1, 1}, 6);
+  const Skeleton tee = gallery::star({x, -x, y}, {1, 1, 1}, 6);
+  for (const Asked& asked : {Asked{"Y 120", y120, 1, 6, 0.81}, Asked{"T", tee, 1, 6, 0.81}, Asked{"T", tee, 2, 2, 0.7},
+                             Asked{"star", gallery::random_star(4, 2, 30), 1, 6, 0.7},
+                             Asked{"star", gallery::random_star(4, 2, 30), 2, 2, 0.6}}) {
+    SCOPED_TRACE(std::string(asked.name) + " order " + std::to_string(asked.order));
+    const SkeletonMeshOptions fitted = with(asked.order, asked.elements);
+    SkeletonMeshOptions plain = fitted;
+    plain.blocks.mesh.order = kBlockDegree;
+    const SkeletonMesh m = mesh_skeleton(asked.skeleton, fitted);
+    const double before = measure_quality(mesh_skeleton(asked.skeleton, plain).result.mesh).scaled_jacobian.min;
+    const QualityReport q = measure_quality(m.result.mesh);
+    EXPECT_GE(q.scaled_jacobian.min, before);
+    EXPECT_GT(q.scaled_jacobian.min, asked.least);
+    EXPECT_EQ(q.certified, m.result.mesh.element_count());
+    EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));
+    EXPECT_NEAR(m.blocks.junctions.at(0).min_jacobian, q.scaled_jacobian.min, 0.02);
+  }
+}
+
 TEST(Mesh, IsTheSameForAnyNumberOfThreads) {
   const Skeleton skeleton = gallery::linked(6);
-  std::vector<HexMesh> meshes;
-  for (const int threads : {1, 2, 8}) {
-    vasohex::Run run;
-    run.threads = threads;
-    meshes.push_back(mesh_skeleton(skeleton, with(3, 3), run).result.mesh);
-  }
-  for (const HexMesh& other : meshes) {
-    EXPECT_EQ(meshes[0].elements, other.elements);
-    ASSERT_EQ(meshes[0].nodes.size(), other.nodes.size());
-    EXPECT_TRUE(std::equal(other.nodes.begin(), other.nodes.end(), meshes[0].nodes.begin()));
+  for (const SkeletonMeshOptions& options : {with(3, 6), with(1, 6)}) {
+    std::vector<HexMesh> meshes;
+    for (const int threads : {1, 2, 8}) {
+      vasohex::Run run;
+      run.threads = threads;
+      meshes.push_back(mesh_skeleton(skeleton, options, run).result.mesh);
+    }
+    for (const HexMesh& other : meshes) {
+      EXPECT_EQ(meshes[0].elements, other.elements);
+      ASSERT_EQ(meshes[0].nodes.size(), other.nodes.size());
+      EXPECT_TRUE(std::equal(other.nodes.begin(), other.nodes.end(), meshes[0].nodes.begin()));
+    }
   }
 }
 

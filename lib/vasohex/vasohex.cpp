@@ -26,7 +26,13 @@ SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& 
   const Network network = in_frame(out.network, frame);
   std::unique_ptr<ImplicitSurface> surface = make_convolution_surface(network, options.surface, run);
   lap("surface");
-  out.blocks = build_blocks(network, *surface, options.blocks, run);
+  BlockOptions block_options = options.blocks;
+  const Grading& g = options.grading;
+  const bool equal_parts = !g.radial && !g.axial && !g.core && !g.layers && g.requests.empty();
+  if (block_options.mesh.order == 0 && equal_parts) {
+    block_options.mesh = {options.mesh.order, g.elements};
+  }
+  out.blocks = build_blocks(network, *surface, block_options, run);
   lap("blocks");
   const BlockTopology topology = build_topology(out.blocks.vertex_count, out.blocks.blocks);
   Grading grading = options.grading;

@@ -2,6 +2,7 @@
 /// \file From a network and its surface to blocks.
 
 #include "vasohex/blocks/block_structure.h"
+#include "vasohex/blocks/optimise.h"
 #include "vasohex/core/run.h"
 #include "vasohex/skeleton/network.h"
 #include "vasohex/surface/implicit_surface.h"
@@ -12,6 +13,7 @@ struct BlockOptions {
   double block_length = 2.0;   ///< of a branch's blocks, in local radii
   int candidates = 6;          ///< arrangements of a weak junction's cubes that are tried to the end
   double good_jacobian = 0.6;  ///< scaled Jacobian that ends the search, if certified
+  MeshDivision mesh;           ///< what the blocks are for; of mesh_skeleton: order 0 is the order asked for
 };
 
 /// Lengthens branches whose free end lies inside the junction they come from, so that a cap fits; one line per branch

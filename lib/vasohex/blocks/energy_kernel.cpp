@@ -6,7 +6,6 @@
 namespace vasohex::kernel::VASOHEX_ISA {
 namespace {
 
-constexpr int kMostSamples = 9;  // per direction
 constexpr int kSums = 8;
 #if defined(__AVX512F__)
 constexpr int kLanes = 8;

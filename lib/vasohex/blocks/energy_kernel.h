@@ -5,9 +5,11 @@
 
 namespace vasohex::kernel {
 
+inline constexpr int kMostSamples = 16;  ///< per direction
+
 struct DistortionInput {
   int degree = 2;                 ///< of the blocks, 2, 3 or 4: degree + 1 nodes per direction
-  int samples = 5;                ///< per direction, at most 9
+  int samples = 5;                ///< per direction, at most kMostSamples
   const double* value = nullptr;  ///< [samples][degree + 1] Lagrange polynomials at the samples
   const double* slope = nullptr;  ///< [samples][degree + 1] their derivatives
   int blocks = 0;

@@ -209,10 +209,36 @@ class Optimiser {
     return solution;
   }
 
+  /// Degree 4, from the nodes of a solution.
+  BlockSolution fit_to_mesh(const std::vector<Vec3>& nodes, const SampleTables& tables) {
+    blocks_ = PolynomialBlocks(problem_, topology_, kBlockDegree);
+    blocks_.adopt_nodes(nodes);
+    EnergyTerms terms;
+    terms.tables = tables;
+    terms.guard = equispaced_tables(blocks_.nodes_1d(), 7);
+    const Energy now = measure(terms);
+    terms.power = 16;
+    terms.shape_weight = 0.01;
+    terms.jacobian_weight = 1;
+    terms.jacobian_goal = std::max(now.min_jacobian + 0.1, -0.5);
+    minimise_here(terms, 40, 3e-4, 8);
+    return judge();
+  }
+
+  /// Degree 4: part of the way from one solution to another.
+  BlockSolution judge_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to, double part) {
+    std::vector<Vec3> nodes;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      nodes.push_back(from[i] + part * (to[i] - from[i]));
+    }
+    blocks_.adopt_nodes(nodes);
+    return judge();
+  }
+
  private:
   BlockSolution judge() {
     blocks_.land();
-    return judge_blocks(blocks_.block_nodes());
+    return judge_blocks(blocks_.block_nodes(), problem_.mesh);
   }
 
   Energy measure(const EnergyTerms& terms) {
@@ -332,10 +358,11 @@ double straight_energy(const BlockProblem& problem) {
 
 double placed_energy(const BlockProblem& problem) { return Optimiser(problem).place(); }
 
-double least_jacobian(const std::vector<Vec3>& nodes) {
+double least_jacobian(const std::vector<Vec3>& nodes, const MeshDivision& mesh) {
   const int n = kBlockDegree + 1;
   const std::vector<double> gauss = family_nodes(NodeFamily::gauss_lobatto, kBlockDegree);
-  const SampleTables tables = equispaced_tables(gauss, 9);
+  const std::optional<SampleTables> of_mesh = mesh_tables(gauss, mesh);
+  const SampleTables tables = of_mesh ? *of_mesh : equispaced_tables(gauss, 9);
   std::vector<int> ids(nodes.size());
   std::iota(ids.begin(), ids.end(), 0);
   const std::size_t blocks = nodes.size() / (n * n * n);
@@ -357,14 +384,14 @@ double least_jacobian(const std::vector<Vec3>& nodes) {
   return kernel::distortion(in, nullptr).min_jacobian;
 }
 
-BlockSolution judge_blocks(std::vector<Vec3> nodes) {
+BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh) {
   BlockSolution s;
-  s.min_jacobian = least_jacobian(nodes);
+  s.min_jacobian = least_jacobian(nodes, mesh);
   std::vector<int> ids(nodes.size());
   std::iota(ids.begin(), ids.end(), 0);
   Run serial;
   serial.threads = 1;  // junctions are solved side by side
-  s.certified = s.min_jacobian > 0;
+  s.certified = least_jacobian(nodes) > 0;
   if (s.certified) {
     for (const Validity& v : certify(kBlockDegree, NodeFamily::gauss_lobatto, nodes, ids, serial)) {
       s.certified = s.certified && v.state == ValidityState::certified;
@@ -372,6 +399,19 @@ BlockSolution judge_blocks(std::vector<Vec3> nodes) {
   }
   s.nodes = std::move(nodes);
   return s;
+}
+
+BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start) {
+  const auto tables = mesh_tables(family_nodes(NodeFamily::gauss_lobatto, kBlockDegree), problem.mesh);
+  if (!tables || !start.certified) {
+    return start;
+  }
+  Optimiser optimiser(problem);
+  BlockSolution fitted = optimiser.fit_to_mesh(start.nodes, *tables);
+  for (double part = 0.5; part > 0.2 && !fitted.certified; part *= 0.5) {
+    fitted = optimiser.judge_between(start.nodes, fitted.nodes, part);
+  }
+  return fitted.is_better_than(start) ? fitted : start;
 }
 
 BlockSolution optimise_blocks(const BlockProblem& problem) { return *Optimiser(problem).run(true); }

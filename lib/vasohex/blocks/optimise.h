@@ -16,6 +16,12 @@ namespace vasohex {
 inline constexpr int kBlockDegree = 4;
 inline constexpr int kBlockNodes = (kBlockDegree + 1) * (kBlockDegree + 1) * (kBlockDegree + 1);
 
+/// The mesh that blocks are for: `elements` per block edge, equal parts, of this order. Order 0: the blocks themselves.
+struct MeshDivision {
+  int order = 0;
+  int elements = 0;
+};
+
 /// Blocks to optimise. Faces of one block are wall unless they are listed in `sections`.
 struct BlockProblem {
   /// A face that stays a cross-section. On face 4 or 5 (k = 0 or 1) the quad's (u, v) are the block's (i, j).
@@ -37,11 +43,12 @@ struct BlockProblem {
   std::vector<Section> sections;
   std::vector<Aim> aims;
   std::vector<int> block_aim;  ///< [blocks]
+  MeshDivision mesh;           ///< what solutions are judged by
 };
 
 struct BlockSolution {
   std::vector<Vec3> nodes;   ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
-  double min_jacobian = -1;  ///< least scaled Jacobian on an equispaced lattice of 9^3 points a block
+  double min_jacobian = -1;  ///< least scaled Jacobian of the mesh asked for; least_jacobian
   bool certified = false;    ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
 
   bool is_better_than(const BlockSolution& other) const {
@@ -63,10 +70,17 @@ double straight_energy(const BlockProblem& problem);
 /// With the wall nodes on the surface: dearer by far, and better.
 double placed_energy(const BlockProblem& problem);
 
-/// Control points [blocks][kBlockNodes] judged as they are: min_jacobian and certificate.
-BlockSolution judge_blocks(std::vector<Vec3> nodes);
+/// Below the blocks' degree a mesh interpolates them, and its elements are worse. A last stage for problem.mesh: the
+/// energy sees its elements, the unknowns stay the blocks' control points. Returns `start`, the nodes of a solution,
+/// where that does not pay (order and number of elements so high that the mesh is as good as its blocks), or where
+/// it is not better, or no longer certified.
+BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start);
 
-/// The least scaled Jacobian alone.
-double least_jacobian(const std::vector<Vec3>& nodes);
+/// Control points [blocks][kBlockNodes] judged as they are: min_jacobian and certificate.
+BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh = {});
+
+/// The least scaled Jacobian alone: of the blocks, on an equispaced lattice of 9^3 points each, or of the elements of
+/// a mesh that interpolates them and is not too fine to differ.
+double least_jacobian(const std::vector<Vec3>& nodes, const MeshDivision& mesh = {});
 
 }  // namespace vasohex

@@ -29,6 +29,39 @@ Vec3 nearest_on_axis(const std::vector<Vec3>& axis, const Vec3& p) {
 
 }  // namespace
 
+std::optional<SampleTables> mesh_tables(const std::vector<double>& nodes, const MeshDivision& mesh) {
+  const int p = mesh.order, pieces = mesh.elements;
+  // At order 1 both ends of a piece, with its difference quotient: the corners of the elements, where they are worst.
+  // With more samples the elements are so small that the stage loses more in the blocks than the mesh gains.
+  const int most_samples = p == 1 ? 16 : 12;
+  if (p < 1 || p >= kBlockDegree || pieces < 1 || pieces * (p + 1) > most_samples) {
+    return {};
+  }
+  const std::vector<double> own = family_nodes(NodeFamily::equispaced, p);
+  const std::vector<double> own_slopes = lagrange_derivatives(own, own);
+  SampleTables tables;
+  for (int piece = 0; piece < pieces; ++piece) {
+    tables.samples += p + 1;
+    std::vector<double> at;
+    for (const double t : own) {
+      at.push_back((piece + t) / pieces);
+    }
+    const std::vector<double> values = lagrange_values(nodes, at);
+    tables.value.insert(tables.value.end(), values.begin(), values.end());
+    const int n = static_cast<int>(nodes.size());
+    for (int s = 0; s <= p; ++s) {
+      for (int i = 0; i < n; ++i) {
+        double slope = 0;
+        for (int k = 0; k <= p; ++k) {
+          slope += pieces * own_slopes[s * (p + 1) + k] * values[k * n + i];
+        }
+        tables.slope.push_back(slope);
+      }
+    }
+  }
+  return tables;
+}
+
 PolynomialBlocks::PolynomialBlocks(const BlockProblem& problem, const BlockTopology& topology, int degree)
     : problem_(&problem), topology_(&topology), degree_(degree), wall_(*problem.surface, 0) {
   nodes_1d_ = family_nodes(NodeFamily::gauss_lobatto, degree);
@@ -67,6 +100,13 @@ PolynomialBlocks::PolynomialBlocks(const BlockProblem& problem, const BlockTopol
     middles.push_back(0.5 * (nodes_1d_[i] + nodes_1d_[i + 1]));
   }
   wall_values_ = lagrange_values(nodes_1d_, middles);
+}
+
+void PolynomialBlocks::adopt_nodes(const std::vector<Vec3>& nodes) {
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    x.row(ids_[i]) = nodes[i];
+  }
+  update_lengths();
 }
 
 void PolynomialBlocks::place() {
@@ -232,6 +272,16 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
   in.power = terms.power;
   const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
   Energy e{out.energy, out.min_jacobian, out.min_det, 0};
+  if (terms.guard.samples > 0) {
+    in.samples = terms.guard.samples;
+    in.value = terms.guard.value.data();
+    in.slope = terms.guard.slope.data();
+    in.jacobian_goal = terms.jacobian_goal - kGuardAllowance;
+    const kernel::DistortionOutput guarded = kernel::distortion(in, gradient ? gradient->data() : nullptr);
+    e.value += guarded.energy;
+    e.min_jacobian = std::min(e.min_jacobian, guarded.min_jacobian + kGuardAllowance);
+    e.min_det = std::min(e.min_det, guarded.min_det);
+  }
   e.value += wall_distance(y, gradient, e.wall_gap);
   if (gradient) {
     make_tangential(*gradient);

@@ -2,6 +2,7 @@
 /// \file Internal to blocks/: the blocks of a BlockProblem as polynomials of one degree, and their energy.
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "vasohex/blocks/energy_kernel.h"
@@ -28,6 +29,10 @@ inline SampleTables equispaced_tables(const std::vector<double>& nodes, int samp
   return {samples, lagrange_values(nodes, at), lagrange_derivatives(nodes, at)};
 }
 
+/// The same for the elements of a mesh that interpolates the blocks: each piece's own samples, as many as its order
+/// needs to see its Jacobians. None if the mesh is about as good as the blocks.
+std::optional<SampleTables> mesh_tables(const std::vector<double>& nodes, const MeshDivision& mesh);
+
 /// What the energy is made of; see kernel::DistortionInput.
 struct EnergyTerms {
   double shape_weight = 1;
@@ -36,7 +41,11 @@ struct EnergyTerms {
   double jacobian_goal = 0.5;
   int power = 8;
   SampleTables tables;
+  SampleTables guard;  ///< samples that must not fold either, if any: of the blocks, where `tables` are a mesh's
 };
+
+/// How much less than the scaled Jacobian of a mesh that of its blocks may be.
+inline constexpr double kGuardAllowance = 0.4;
 
 struct Energy {
   double value = 0;
@@ -70,6 +79,9 @@ class PolynomialBlocks {
   const std::vector<NodeKind>& kinds() const { return kinds_; }
   const std::vector<std::array<double, 3>>& lengths() const { return lengths_; }
   double mean_length() const { return mean_length_; }
+
+  /// Takes over control points [blocks][(degree + 1)^3].
+  void adopt_nodes(const std::vector<Vec3>& nodes);
 
   /// Trilinear blocks, sections placed, wall nodes shot from the vessels' axes, the shift carried inside.
   void place();

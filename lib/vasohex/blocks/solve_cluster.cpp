@@ -169,6 +169,9 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
     done.resize(best->cluster.size(), 1);
     done[*weakest] = 1;
   }
+  best->blocks.problem.mesh = options.mesh;
+  best->solution.min_jacobian = least_jacobian(best->solution.nodes, options.mesh);
+  best->solution = fit_to_mesh(best->blocks.problem, std::move(best->solution));
   best->candidates = tried;
   best->cpu_seconds = thread_cpu_seconds() - start;
   return std::move(*best);
