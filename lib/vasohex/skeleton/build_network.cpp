@@ -8,6 +8,7 @@
 
 #include "vasohex/core/error.h"
 #include "vasohex/skeleton/clean.h"
+#include "vasohex/skeleton/loops.h"
 #include "vasohex/skeleton/sample_axis.h"
 #include "vasohex/skeleton/smooth_path.h"
 #include "vasohex/skeleton/straighten.h"
@@ -482,19 +483,10 @@ void choose_names(const Skeleton& skeleton, const Run& run, Network& network) {
   }
 }
 
-}  // namespace
-
-Network build_network(const Skeleton& input, const NetworkOptions& options, const Run& run) {
+/// Nodes and branches of a clean skeleton, without names.
+Network assemble(const Skeleton& skeleton, const Run& run) {
   Network network;
-  network.units = input.units;
-  Skeleton named = input;
-  for (const auto& [point, name] : options.names) {
-    named.names[point] = name;
-  }
-  if (options.inlet) {
-    named.names[*options.inlet] = "inlet";
-  }
-  const Skeleton skeleton = straighten(merge_junctions(clean(named, network.repairs), network.repairs), network.repairs);
+  network.units = skeleton.units;
   Topology topology = topology_of(skeleton);
   for (Chain& chain : topology.chains) {
     own_radii(skeleton, topology, chain, network.repairs);
@@ -531,6 +523,33 @@ Network build_network(const Skeleton& input, const NetworkOptions& options, cons
                               short_text(std::round(100 * changes.rounded.value) / 100) +
                               " radii off the line at most, at " + place_of(skeleton, changes.rounded.point));
   }
+  return network;
+}
+
+}  // namespace
+
+Network build_network(const Skeleton& input, const NetworkOptions& options, const Run& run) {
+  Skeleton skeleton = input;
+  for (const auto& [point, name] : options.names) {
+    skeleton.names[point] = name;
+  }
+  if (options.inlet) {
+    skeleton.names[*options.inlet] = "inlet";
+  }
+  std::vector<std::string> repairs;
+  skeleton = straighten(merge_junctions(clean(skeleton, repairs), repairs), repairs);
+  Network network = assemble(skeleton, run);
+  // what is filled can be seen only of the axes and radii as they will be
+  for (auto loops = filled_loops(network); !loops.empty(); loops = filled_loops(network)) {
+    const std::vector<PointChain> chains = split(skeleton);  // one for each branch
+    for (const FilledLoop& loop : loops) {
+      remove_chain(skeleton, chains[loop.leave_out]);
+      repairs.push_back(loop.text);
+    }
+    skeleton = straighten(std::move(skeleton), repairs);
+    network = assemble(skeleton, run);
+  }
+  network.repairs.insert(network.repairs.begin(), repairs.begin(), repairs.end());
   give_names(skeleton, network);
   choose_names(skeleton, run, network);
   run.progress("network", 1);

@@ -36,6 +36,8 @@ struct NetworkOptions {
 /// - Radii change along the axis by at most 0.75 per length between points; steeper bulges are lowered.
 /// - Junctions nearer to each other than 0.3 radii become one (see merge_junctions).
 /// - Points where a branch turns back sharply and loops too short for a hole are left out (see straighten).
+/// - Of loops of any number of branches that their own tubes fill, the branch without which the lumen changes least is
+///   left out (see filled_loops).
 /// - NetworkNode::radius is the largest radius of the branches that meet there.
 /// - Ends: names given win; then per component, the largest volume first, `inlet`, `inlet_2`, ... and, ascending by
 ///   point, `outlet_1`, `outlet_2`, ...

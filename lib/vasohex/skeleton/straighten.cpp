@@ -39,14 +39,6 @@ double mean_radius(const Skeleton& skeleton, const PointChain& chain) {
   return sum / static_cast<double>(chain.size() - 2 * skip);
 }
 
-void remove_chain(Skeleton& skeleton, const PointChain& chain) {
-  std::set<Pair> gone;
-  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
-    gone.insert(pair(chain[i], chain[i + 1]));
-  }
-  std::erase_if(skeleton.segments, [&](const Pair& s) { return gone.contains(pair(s[0], s[1])); });
-}
-
 /// Removes one closed tube without a hole, if there is one.
 bool remove_blind_loop(Skeleton& skeleton, std::vector<std::string>& repairs) {
   const std::vector<PointChain> chains = split(skeleton);
@@ -175,6 +167,14 @@ std::vector<PointChain> split(const Skeleton& skeleton) {
     }
   }
   return chains;
+}
+
+void remove_chain(Skeleton& skeleton, const PointChain& chain) {
+  std::set<Pair> gone;
+  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+    gone.insert(pair(chain[i], chain[i + 1]));
+  }
+  std::erase_if(skeleton.segments, [&](const Pair& s) { return gone.contains(pair(s[0], s[1])); });
 }
 
 Skeleton merge_junctions(Skeleton skeleton, std::vector<std::string>& repairs) {

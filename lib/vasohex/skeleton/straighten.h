@@ -16,6 +16,9 @@ using PointChain = std::vector<int>;
 /// All branches of a clean skeleton (see clean), ascending by their first point.
 std::vector<PointChain> split(const Skeleton& skeleton);
 
+/// Takes the segments of a branch out of its skeleton.
+void remove_chain(Skeleton& skeleton, const PointChain& chain);
+
 /// A clean skeleton in which junctions nearer to each other, along the branch between them, than 0.3 of the larger
 /// radius are one: the wider one stays where it is. Adds one line to `repairs` for each.
 Skeleton merge_junctions(Skeleton skeleton, std::vector<std::string>& repairs);
