@@ -426,6 +426,50 @@ TEST(Convolution, SeparateVesselsStaySeparate) {
   }
 }
 
+/// Greatest turn of the wall's normal per length, between the hits of rays a degree apart in the plane z = 0.
+double sharpest_turn(const ImplicitSurface& surface, const Vec3& origin, double from, double to) {
+  double sharpest = 0;
+  Vec3 before = Vec3::Zero(), normal_before = Vec3::Zero();
+  for (double degrees = from; degrees <= to; degrees += 1) {
+    const Vec3 direction(std::cos(degrees * pi / 180), std::sin(degrees * pi / 180), 0);
+    const auto hit = shoot(surface, origin, direction, 0.5, 6);
+    if (!hit) {
+      return 1e9;
+    }
+    Vec3 normal;
+    surface.value(origin + *hit * direction, normal);
+    normal.normalize();
+    if (degrees > from) {
+      sharpest = std::max(sharpest, (normal - normal_before).norm() / (origin + *hit * direction - before).norm());
+    }
+    before = origin + *hit * direction;
+    normal_before = normal;
+  }
+  return sharpest;
+}
+
+TEST(Convolution, ArmsOfNearJunctionsPartInARoundedCrotch) {
+  // arms 60 degrees apart, of nodes half a radius apart: where they part the wall is round as in any fork, no crease
+  const Vec3 second(0.5, 0, 0), aside(0, 9, 0), ahead(5, 0, 0);
+  const auto dumbbell = make_convolution_surface(network_of(
+      {straight_branch(0, 1, {0, 0, 0}, second, 1, 1, 4), straight_branch(0, 2, {0, 0, 0}, aside - ahead, 1, 1),
+       straight_branch(0, 3, {0, 0, 0}, -aside - ahead, 1, 1), straight_branch(1, 4, second, second + aside + ahead, 1, 1),
+       straight_branch(1, 5, second, second - aside + ahead, 1, 1)}));
+  EXPECT_LT(sharpest_turn(*dumbbell, {0.25, 0.5, 0}, 75, 105), 10);
+}
+
+TEST(Convolution, SideBranchesOfOneTrunkStaySeparate) {
+  // a tenth of a radius between them: the middle lies outside both as soon as the trunk is left behind
+  const double x = 0.525;
+  const auto trunk = make_convolution_surface(network_of(
+      {straight_branch(0, 1, {-x, 0, 0}, {x, 0, 0}, 1, 1, 8), straight_branch(2, 0, {-8, 0, 0}, {-x, 0, 0}, 1, 1),
+       straight_branch(1, 3, {x, 0, 0}, {8, 0, 0}, 1, 1), straight_branch(0, 4, {-x, 0, 0}, {-x, 8, 0}, 0.5, 0.5),
+       straight_branch(1, 5, {x, 0, 0}, {x, 8, 0}, 0.5, 0.5)}));
+  for (double y = 1.5; y < 6; y += 0.1) {
+    EXPECT_GT(trunk->value({0, y, 0}), 0.01) << y;
+  }
+}
+
 TEST(Convolution, TheTurnsOfACoilStaySeparate) {
   const Network coil = helix(1.5, 2.3, 4);
   EXPECT_LT(worst_ray_95(coil, {}), 0.03);

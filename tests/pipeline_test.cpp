@@ -139,6 +139,20 @@ TEST(RandomJunctions, AreCertified) {
   }
 }
 
+TEST(NearJunctions, AreCertified) {
+  // arms of different junctions that leave their trunk side by side; a thin arm along a thick one
+  for (const Skeleton& skeleton : {gallery::dumbbell(0.5, 0), gallery::dumbbell(0.5, 30), gallery::dumbbell(0.5, 45),
+                                   gallery::forked_stub(0.6, 0), gallery::forked_stub(0.8, 0),
+                                   gallery::fork(20, 1, 0.3, 80)}) {
+    for (const int order : {1, 3}) {
+      const SkeletonMesh m = mesh_skeleton(skeleton, with(order, 6));
+      const QualityReport q = measure_quality(m.result.mesh);
+      EXPECT_EQ(q.certified, m.result.mesh.element_count()) << "order " << order;
+      EXPECT_EQ(m.result.unconverged, 0) << "order " << order;
+    }
+  }
+}
+
 TEST(RealVessels, AreCertifiedAtOrders1To3) {
   const char* data = std::getenv("VASOHEX_DATA");
   if (!data) {
