@@ -196,7 +196,9 @@ TEST(Mesh, OfLowOrderIsBetterThanOneOfBlocksForAnyOrder) {
   const Skeleton tee = gallery::star({x, -x, y}, {1, 1, 1}, 6);
   for (const Asked& asked : {Asked{"Y 120", y120, 1, 6, 0.81}, Asked{"T", tee, 1, 6, 0.81}, Asked{"T", tee, 2, 2, 0.7},
                              Asked{"star", gallery::random_star(4, 2, 30), 1, 6, 0.7},
-                             Asked{"star", gallery::random_star(4, 2, 30), 2, 2, 0.6}}) {
+                             Asked{"star", gallery::random_star(4, 2, 30), 2, 2, 0.6},
+                             Asked{"star of 5", gallery::random_star(5, 2, 30), 2, 3, 0.5},
+                             Asked{"star of 5", gallery::random_star(5, 2, 30), 3, 1, 0.6}}) {
     SCOPED_TRACE(std::string(asked.name) + " order " + std::to_string(asked.order));
     const SkeletonMeshOptions fitted = with(asked.order, asked.elements);
     SkeletonMeshOptions plain = fitted;
@@ -208,7 +210,9 @@ TEST(Mesh, OfLowOrderIsBetterThanOneOfBlocksForAnyOrder) {
     EXPECT_GT(q.scaled_jacobian.min, asked.least);
     EXPECT_EQ(q.certified, m.result.mesh.element_count());
     EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));
-    EXPECT_NEAR(m.blocks.junctions.at(0).min_jacobian, q.scaled_jacobian.min, 0.02);
+    if (asked.order == 1) {
+      EXPECT_NEAR(m.blocks.junctions.at(0).min_jacobian, q.scaled_jacobian.min, 0.02);
+    }
   }
 }
 
