@@ -12,8 +12,10 @@
 
 #include "errors.h"
 #include "vasohex/core/error.h"
+#include "vasohex/quality/quality_report.h"
 #include "vasohex/skeleton/build_network.h"
 #include "vasohex/skeleton/read_skeleton.h"
+#include "vasohex/vasohex.h"
 
 namespace vasohex {
 namespace {
@@ -365,6 +367,125 @@ TEST(BuildNetwork, LoopsWithoutAHoleAreDropped) {
   EXPECT_EQ(lines_with(n, "too short for a hole"), 2);
 }
 
+/// A tube of n further points of radius 1, one apart, from a point along a direction.
+void add_arm(Skeleton& skeleton, int from, const Vec3& direction, int n) {
+  const Vec3 start = skeleton.points[from], step = direction.normalized();
+  for (int i = 1, before = from; i <= n; ++i) {
+    const int here = static_cast<int>(skeleton.points.size());
+    skeleton.points.push_back(start + i * step);
+    skeleton.radii.push_back(1);
+    skeleton.segments.push_back({before, here});
+    before = here;
+  }
+}
+
+/// Three junctions joined to each other, each with an arm outwards.
+Skeleton triangle(double side) {
+  Skeleton s;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = 2 * kPi * i / 3 + .2;
+    s.points.push_back(side / std::sqrt(3) * Vec3(std::cos(angle), std::sin(angle), 0));
+    s.radii.push_back(1);
+    s.segments.push_back({i, (i + 1) % 3});
+  }
+  for (int i = 0; i < 3; ++i) {
+    add_arm(s, i, s.points[i], 8);
+  }
+  return s;
+}
+
+/// Two branches between the same two junctions, at most 2 * bow apart, and an arm at either end.
+Skeleton bows(double bow) {
+  Skeleton s;
+  s.points = {{0, 0, 0}, {12, 0, 0}};
+  s.radii = {1, 1};
+  for (const double y : {bow, -bow}) {
+    std::vector<int> chain{0};
+    for (int i = 1; i < 12; ++i) {
+      chain.push_back(static_cast<int>(s.points.size()));
+      s.points.push_back(Vec3(i, y * std::sin(kPi * i / 12), .1 * y));
+      s.radii.push_back(1);
+    }
+    chain.push_back(1);
+    add_chain(s, chain);
+  }
+  add_arm(s, 0, Vec3(-1, .3, 0), 8);
+  add_arm(s, 1, Vec3(1, .2, .1), 8);
+  return s;
+}
+
+/// Four rungs between two rails that go on at both ends.
+Skeleton ladder(double cell) {
+  Skeleton s;
+  for (int i = 0; i < 4; ++i) {
+    for (const double y : {0., cell}) {
+      s.points.push_back(Vec3(i * cell, y, 0));
+      s.radii.push_back(1);
+    }
+    s.segments.push_back({2 * i, 2 * i + 1});
+    if (i > 0) {
+      s.segments.push_back({2 * i - 2, 2 * i});
+      s.segments.push_back({2 * i - 1, 2 * i + 1});
+    }
+  }
+  add_arm(s, 0, Vec3(-1, -.6, 0), 8);
+  add_arm(s, 1, Vec3(-1, .6, 0), 8);
+  add_arm(s, 6, Vec3(1, -.6, 0), 8);
+  add_arm(s, 7, Vec3(1, .6, 0), 8);
+  return s;
+}
+Skeleton small_triangle() { return triangle(2); }
+Skeleton small_ladder() { return ladder(1.3); }
+Skeleton narrow_bows() { return bows(.33); }  // 10 degrees at the junctions
+
+/// Independent cycles of a network in one piece.
+int loops(const Network& network) {
+  return static_cast<int>(network.branches.size()) - static_cast<int>(network.nodes.size()) + 1;
+}
+
+TEST(BuildNetwork, LoopsThatTheirTubesFillAreOpened) {
+  struct Case {
+    std::string name;
+    Skeleton skeleton;
+    int loops, opened;
+    std::size_t ends;
+  };
+  Skeleton thin = triangle(2);  // side 1 to 2 is thinner than the others, through a point of its own
+  thin.points.push_back((thin.points[1] + thin.points[2]) / 2);
+  thin.radii.push_back(.6);
+  thin.segments[1] = {1, static_cast<int>(thin.points.size()) - 1};
+  thin.segments.push_back({static_cast<int>(thin.points.size()) - 1, 2});
+  for (const Case& c : {Case{"triangle", triangle(2), 0, 1, 3}, Case{"with a thin side", thin, 0, 1, 3},
+                        Case{"triangle, nearly a hole", triangle(3.3), 0, 1, 3}, Case{"a hole", triangle(4.2), 1, 0, 3},
+                        Case{"large triangle", triangle(8), 1, 0, 3}, Case{"10 degrees", bows(.33), 0, 1, 2},
+                        Case{"bows that part", bows(1.5), 1, 0, 2}, Case{"ladder", ladder(1.3), 0, 3, 4},
+                        Case{"wide ladder", ladder(4), 3, 0, 4}}) {
+    const Network n = build_network(c.skeleton);
+    expect_sound(n);
+    EXPECT_EQ(loops(n), c.loops) << c.name;
+    EXPECT_EQ(lines_with(n, "filled by its own tubes"), c.opened) << c.name;
+    std::size_t ends = 0;
+    for (const NetworkNode& node : n.nodes) {
+      ends += node.degree == 1;
+    }
+    EXPECT_EQ(ends, c.ends) << c.name;
+  }
+  const Network n = build_network(thin);
+  EXPECT_EQ(n.nodes[0].degree, 3);  // opposite to the side left out
+  EXPECT_EQ(lines_with(n, "through points"), 1);
+  EXPECT_EQ(lines_with(n, "the branch from point 1 ("), 1);
+}
+
+TEST(BuildNetwork, OpenedLoopsAreCertified) {
+  SkeletonMeshOptions options;
+  options.grading.elements = 2;
+  options.mesh.order = 2;
+  for (const Skeleton& s : {triangle(2), triangle(8), bows(.33)}) {
+    const SkeletonMesh m = mesh_skeleton(s, options);
+    EXPECT_EQ(measure_quality(m.result.mesh).certified, m.result.mesh.element_count());
+  }
+}
+
 TEST(BuildNetwork, JunctionsWithinAFractionOfTheirRadiusBecomeOne) {
   // a triangle of junctions .2 radii apart, and a further junction .5 radii away that stays
   Skeleton s;
@@ -685,7 +806,8 @@ Skeleton noisy_tree() {
 }
 
 class Moved : public testing::TestWithParam<Skeleton (*)()> {};
-INSTANTIATE_TEST_SUITE_P(BuildNetwork, Moved, testing::Values(&noisy_tree, &far_apart));
+INSTANTIATE_TEST_SUITE_P(BuildNetwork, Moved, testing::Values(&noisy_tree, &far_apart, &small_triangle,
+                                                              &small_ladder, &narrow_bows));
 
 TEST_P(Moved, CommutesWithScalingAndRigidMotion) {
   const Skeleton s = GetParam()();

@@ -23,8 +23,6 @@ const char* title(FindingKind kind, bool one) {
       return one ? "branch that ends inside its parent" : "branches that end inside their parents";
     case FindingKind::fragment:
       return one ? "stray piece" : "stray pieces";
-    case FindingKind::small_loop:
-      return one ? "loop without a hole" : "loops without a hole";
     case FindingKind::near_junctions:
       return one ? "pair of junctions within a radius" : "pairs of junctions within a radius";
   }

@@ -6,8 +6,6 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <queue>
-#include <set>
 
 #include "vasohex/skeleton/clean.h"
 #include "vasohex/skeleton/contacts.h"
@@ -343,75 +341,6 @@ void add_stubs(const Network& network, std::vector<Finding>& findings) {
   }
 }
 
-/// Loops shorter than the circumference of their vessel.
-void add_small_loops(const Network& network, std::vector<Finding>& findings) {
-  const auto ends = branch_ends(network);
-  std::set<std::vector<int>> seen;
-  for (std::size_t b = 0; b < network.branches.size(); ++b) {
-    const Branch& branch = network.branches[b];
-    const auto [from, to] = branch.nodes;
-    double bound = 0;
-    for (const int n : {from, to}) {
-      bound = std::max(bound, 2 * std::numbers::pi * network.nodes[n].radius);
-    }
-    if (branch.length() > bound) {
-      continue;
-    }
-    // the shortest way back without this branch
-    std::map<int, int> by;  // node: branch it was reached by
-    using Entry = std::tuple<double, int, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    open.push({branch.length(), to, -1});
-    double length = -1;
-    while (!open.empty() && length < 0) {
-      const auto [d, n, last] = open.top();
-      open.pop();
-      if (d > bound || !by.emplace(n, last).second) {
-        continue;
-      }
-      if (n == from) {
-        length = d;
-        break;
-      }
-      for (const BranchEnd& e : ends[n]) {
-        if (e.branch != static_cast<int>(b)) {
-          open.push({d + network.branches[e.branch].length(), network.branches[e.branch].nodes[1 - e.end], e.branch});
-        }
-      }
-    }
-    if (length < 0) {
-      continue;
-    }
-    std::vector<int> loop{static_cast<int>(b)};
-    for (int n = from; by[n] >= 0;) {
-      loop.push_back(by[n]);
-      const std::array<int, 2>& nodes = network.branches[by[n]].nodes;
-      n = nodes[0] == n ? nodes[1] : nodes[0];
-    }
-    double volume = 0;
-    Vec3 middle = Vec3::Zero();
-    for (const int k : loop) {
-      const Branch& part = network.branches[k];
-      volume += mean_radius(part) * part.length();
-      middle += axis_point(part, part.length() / 2).position / static_cast<double>(loop.size());
-    }
-    const double radius = volume / length;
-    std::sort(loop.begin(), loop.end());
-    if (length > 2 * std::numbers::pi * radius || !seen.insert(loop).second) {
-      continue;
-    }
-    Finding f;
-    f.kind = FindingKind::small_loop;
-    f.branches = {static_cast<int>(b), -1};
-    f.at = middle;
-    f.figure = length / (2 * std::numbers::pi * radius);
-    f.text = "a loop of " + std::to_string(loop.size()) + " vessel(s) and length " + short_text(length) + " at " +
-             place(middle) + " is too short for a hole at radius " + short_text(radius);
-    f.cure = "leave out one of its vessels: " + vessel(network, loop.front()) + ", for one";
-    findings.push_back(f);
-  }
-}
-
 void add_near_junctions(const Network& network, std::vector<Finding>& findings) {
   for (std::size_t b = 0; b < network.branches.size(); ++b) {
     const Branch& branch = network.branches[b];
@@ -439,7 +368,6 @@ double badness(const Finding& f) {
   switch (f.kind) {
     case FindingKind::touch:
     case FindingKind::stub:
-    case FindingKind::small_loop:
     case FindingKind::near_junctions:
     case FindingKind::fragment:
       return -f.figure;
@@ -451,8 +379,9 @@ double badness(const Finding& f) {
 }  // namespace
 
 std::string_view name_of(FindingKind kind) {
-  constexpr std::string_view names[]{"overlap",     "touch", "hairpin",  "side_by_side", "sharp_bend",
-                                     "steep_taper", "stub",  "fragment", "small_loop",   "near_junctions"};
+  constexpr std::string_view names[]{"overlap",    "touch",       "hairpin", "side_by_side",
+                                     "sharp_bend", "steep_taper", "stub",    "fragment",
+                                     "near_junctions"};
   return names[static_cast<int>(kind)];
 }
 
@@ -466,7 +395,6 @@ std::vector<Finding> diagnose(const Network& network) {
   add_contacts(network, findings);
   add_bends_and_tapers(network, findings);
   add_stubs(network, findings);
-  add_small_loops(network, findings);
   add_near_junctions(network, findings);
   std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
     return a.kind != b.kind ? a.kind < b.kind : badness(a) > badness(b);

@@ -19,7 +19,6 @@ enum class FindingKind {
   steep_taper,     ///< figure: change of the radius per length, above 0.6
   stub,            ///< a side branch that ends inside its parent; figure: its length / radius of the parent
   fragment,        ///< a component that is tiny, or inside another vessel; figure: its length / its diameter
-  small_loop,      ///< a loop without a hole; figure: its length / circumference of the vessel
   near_junctions,  ///< junctions closer than their radius; figure: distance / radius
 };
 
