@@ -52,7 +52,8 @@ void keep_best(std::vector<Arrangement>& all, std::size_t count) {
   all.resize(std::min(all.size(), count));
 }
 
-/// Arrangements of hub `h`, as one cube or a tree of cubes, with the other hubs as they are; the most promising first.
+/// Arrangements of hub `h`, as one cube, a tree of cubes or one cube with a hub that is near, with the other hubs as they
+/// are; the most promising first.
 std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
                                       std::size_t count) {
   // with more branches there are more ways to go wrong
@@ -76,6 +77,16 @@ std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arra
   if (now.cluster[h].arms.size() > 3) {
     for (const Cluster& divided : split_hub(now.cluster, h)) {
       add(divided, 1);
+    }
+  }
+  for (const auto& [merged, at] : merge_hub(now.cluster, h)) {
+    for (const CubeAssignment& assignment : assignments_of(merged[at], 6)) {
+      Arrangement a{merged, {}};
+      for (int s = 0; s < static_cast<int>(merged.size()); ++s) {
+        a.assignments.push_back(s == at ? assignment : assignments_of(merged[s], 1).front());
+      }
+      a.energy = straight_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
+      all.push_back(a);
     }
   }
   keep_best(all, first_choice);
@@ -166,8 +177,12 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
         attempt(a, false);
       }
     }
-    done.resize(best->cluster.size(), 1);
-    done[*weakest] = 1;
+    if (best->cluster.size() < now.cluster.size()) {
+      done.assign(best->cluster.size(), 0);  // two hubs became one: the numbers are new
+    } else {
+      done.resize(best->cluster.size(), 1);
+      done[*weakest] = 1;
+    }
   }
   best->blocks.problem.mesh = options.mesh;
   best->solution.min_jacobian = least_jacobian(best->solution.nodes, options.mesh);

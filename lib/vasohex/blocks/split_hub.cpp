@@ -174,6 +174,25 @@ void link(Cluster& cluster, int a, int b, int id, const ArmAxis& axis) {
   }
 }
 
+/// Lets axes start at their hub's centre, and those of links end at the other's. False if nothing is left of one.
+bool renew_axes(Cluster& cluster) {
+  for (Hub& changed : cluster) {
+    for (Arm& arm : changed.arms) {
+      if (arm.axis.points.front() != changed.centre) {
+        arm.axis = started_from(arm.axis, changed.centre);
+      }
+      if (arm.link >= 0 && arm.axis.points.back() != cluster[arm.link].centre) {
+        arm.axis = reversed(started_from(reversed(arm.axis), cluster[arm.link].centre));
+      }
+      if (arm.axis.points.size() < 2) {
+        return false;
+      }
+      arm.direction = direction_of(arm);
+    }
+  }
+  return true;
+}
+
 std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Group>& groups) {
   const Hub& hub = cluster[h];
   std::vector<char> grouped(hub.arms.size(), 0);
@@ -250,19 +269,8 @@ std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Gr
       }
     }
   }
-  for (Hub& changed : out) {
-    for (Arm& arm : changed.arms) {
-      if (arm.axis.points.front() != changed.centre) {
-        arm.axis = started_from(arm.axis, changed.centre);
-      }
-      if (arm.link >= 0 && arm.axis.points.back() != out[arm.link].centre) {
-        arm.axis = reversed(started_from(reversed(arm.axis), out[arm.link].centre));
-      }
-      if (arm.axis.points.size() < 2) {
-        return {};
-      }
-      arm.direction = direction_of(arm);
-    }
+  if (!renew_axes(out)) {
+    return {};
   }
   return out;
 }
@@ -274,6 +282,44 @@ std::vector<Cluster> split_hub(const Cluster& cluster, int h) {
   for (const std::vector<Group>& groups : groupings(cluster[h])) {
     if (auto c = split(cluster, h, groups)) {
       all.push_back(std::move(*c));
+    }
+  }
+  return all;
+}
+
+std::vector<std::pair<Cluster, int>> merge_hub(const Cluster& cluster, int h) {
+  std::vector<std::pair<Cluster, int>> all;
+  for (const Arm& short_link : cluster[h].arms) {
+    const int other = short_link.link;
+    if (other < 0 || length_of(short_link.axis) > 1.5 * short_link.radius) {
+      continue;
+    }
+    const int kept = std::min(h, other), gone = std::max(h, other);
+    Hub merged = cluster[kept];
+    merged.centre = 0.5 * (cluster[h].centre + cluster[other].centre);
+    merged.arms.insert(merged.arms.end(), cluster[gone].arms.begin(), cluster[gone].arms.end());
+    std::erase_if(merged.arms, [&](const Arm& arm) { return arm.link == kept || arm.link == gone; });
+    const bool share_neighbour = std::any_of(merged.arms.begin(), merged.arms.end(), [&](const Arm& a) {
+      return a.link >= 0 && std::count_if(merged.arms.begin(), merged.arms.end(),
+                                          [&](const Arm& b) { return b.link == a.link; }) > 1;
+    });
+    if (share_neighbour || merged.arms.size() < 3 || merged.arms.size() > kCubeArms) {
+      continue;
+    }
+    Cluster out = cluster;
+    out[kept] = merged;
+    out.erase(out.begin() + gone);
+    for (Hub& hub : out) {
+      for (Arm& arm : hub.arms) {
+        if (arm.link == gone) {
+          arm.link = kept;
+        } else if (arm.link > gone) {
+          --arm.link;
+        }
+      }
+    }
+    if (renew_axes(out)) {
+      all.emplace_back(std::move(out), kept);
     }
   }
   return all;

@@ -1,6 +1,8 @@
 #pragma once
-/// \file A junction divided among several cubes: what one cube cannot hold well, or not at all.
+/// \file A junction divided among several cubes: what one cube cannot hold well, or not at all; and junctions too near
+/// each other for a cube each, made one.
 
+#include <utility>
 #include <vector>
 
 #include "vasohex/blocks/hubs.h"
@@ -14,5 +16,9 @@ inline constexpr int kCubeArms = 6;
 /// the way to where they part, linked to that of the others. At most about a hundred, those with the narrowest groups
 /// first; none if no arms are near each other. The new hubs stand at `h` and behind the old ones.
 std::vector<Cluster> split_hub(const Cluster& cluster, int h);
+
+/// Clusters in which hub `h` and one that a link shorter than 1.5 radii leads to are one hub, in the middle between
+/// them, with the arms of both; where both link to a third hub they stay two. It stands at the lesser of the two places.
+std::vector<std::pair<Cluster, int>> merge_hub(const Cluster& cluster, int h);
 
 }  // namespace vasohex
