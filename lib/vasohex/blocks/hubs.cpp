@@ -92,7 +92,7 @@ std::vector<Departure> depart(const Network& network, Hub& hub) {
   const double at = std::max(arm_point(axes[i], parting[third]).radius, arm_point(axes[j], parting[third]).radius);
   const double move = parting[third] - at;
   // all three side by side: there is no middle line to come back on
-  if (move < 0.5 * at || std::max(parting[i], parting[j]) > 0.6 * parting[third]) {
+  if (move < 0.25 * at || std::max(parting[i], parting[j]) > 0.6 * parting[third]) {
     return departures;
   }
   const auto middle = [&](double s) -> ArmPoint {

@@ -18,7 +18,7 @@ constexpr double kLongestRadius = 2.0;
 constexpr double kMoveAtBend = 0.75;   // the same where a bend is sharper than a tube allows
 constexpr double kMove = 0.2;          // largest displacement, in radii
 constexpr double kRadiusChange = 0.2;  // largest relative change
-constexpr double kSharp = 0.87;        // curvature times radius from which bends are softened
+constexpr double kSharp = 0.95;        // curvature times radius from which bends are softened
 constexpr double kSlope = 0.75;        // steepest change of the radius per length
 constexpr double kLongEdge = 10.0;     // in radii: such an edge is meant to be straight
 constexpr double kOffEdge = 0.25;      // largest distance from a long edge that needs no help, in radii
@@ -189,11 +189,14 @@ SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& rad
     }
   }
   // Bends sharper than a tube allows are softened as far as the points may move
-  SpaceSpline spline = spline_through(data, fit);
-  for (int round = 0; round < 12; ++round) {
+  SpaceSpline spline = spline_through(data, fit), gentlest = spline;
+  double least = 1e300;
+  for (int round = 0; round <= 12; ++round) {
     const std::vector<double> bent = piece_curvature(spline);
     std::vector<bool> soften(n, false);
+    double sharpest = 0;
     for (int k = 0; k < static_cast<int>(bent.size()); ++k) {
+      sharpest = std::max(sharpest, bent[k] * std::min(radii[k], radii[(k + 1) % n]));
       if (bent[k] * std::min(radii[k], radii[(k + 1) % n]) > kSharp) {
         for (int i = k - 1; i <= k + 2; ++i) {
           const int j = data.closed ? (i + n) % n : std::clamp(i, 0, n - 1);
@@ -201,24 +204,29 @@ SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& rad
         }
       }
     }
+    // softening one bend may sharpen another
+    if (sharpest < least) {
+      least = sharpest;
+      gentlest = spline;
+    }
     for (int i = 0; i < n; ++i) {
       if (soften[i]) {
         compliance[i] = std::max(3 * compliance[i], std::pow(0.2 * radii[i], 3));
         bends[i] = true;
       }
     }
-    if (std::none_of(soften.begin(), soften.end(), [](bool s) { return s; })) {
+    if (round == 12 || std::none_of(soften.begin(), soften.end(), [](bool s) { return s; })) {
       break;
     }
     fit = smooth_within(data, compliance, moved_too_far);
     spline = spline_through(data, fit);
   }
-  for (std::size_t i = 0; i < spline.points.size(); ++i) {
+  for (std::size_t i = 0; i < gentlest.points.size(); ++i) {
     if (path.fixed[i % n]) {
-      spline.points[i] = path.points[i % n];  // to the last bit
+      gentlest.points[i] = path.points[i % n];  // to the last bit
     }
   }
-  return spline;
+  return gentlest;
 }
 
 PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
