@@ -129,7 +129,7 @@ std::string named_table(const std::vector<Figures>& figures) {
       head_of({"case", "order", "goal", "linear min", "met", "order-p min", "certified", "CPU ms per junction"});
   for (const Figures& f : figures) {
     const bool is_there = f.error.empty();
-    text += row_of({f.subject->name, std::to_string(f.order), number(f.subject->goal, 2),
+    text += row_of({f.subject->name, std::to_string(f.order), f.goal() > 0 ? number(f.goal(), 2) : std::string(),
                     is_there ? number(f.linear_min, 3) : "", f.good() ? "yes" : "**no**",
                     is_there ? number(f.min, 3) : "", certified_cell(f), number(cpu_ms(f), 0)});
   }
@@ -320,7 +320,7 @@ std::string shortfalls(const std::vector<Figures>& figures) {
       text += "  " + f.subject->name + " order " + std::to_string(f.order) + ": ";
       if (f.error.empty()) {
         text += "min " + number(f.min, 3) + " in " + f.worst + ", linear " + number(f.linear_min, 3) + ", blocks " +
-                number(f.block_min, 3) + ", goal " + number(f.subject->goal, 2);
+                number(f.block_min, 3) + ", goal " + number(f.goal(), 2);
       }
       text += (faults(f).empty() ? "" : (f.error.empty() ? "; " : "") + faults(f)) + "\n";
     }
@@ -332,7 +332,7 @@ std::string json(const std::vector<Figures>& figures) {
   auto all = nlohmann::ordered_json::array();
   for (const Figures& f : figures) {
     nlohmann::ordered_json row{
-        {"kind", name_of(f.subject->kind)}, {"case", f.subject->name}, {"order", f.order}, {"goal", f.subject->goal}};
+        {"kind", name_of(f.subject->kind)}, {"case", f.subject->name}, {"order", f.order}, {"goal", f.goal()}};
     if (f.error.empty()) {
       row.update({{"elements", f.elements},
                   {"elements_not_certified", f.faulty},
