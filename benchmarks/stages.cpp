@@ -1,4 +1,4 @@
-// Times every stage on the abdominal aorta at order 3 (373 blocks x 6^3 hexahedra), one thread, and in the same run
+// Times every stage on the abdominal aorta at order 3 (about 400 blocks x 6^3 hexahedra), one thread, and in the same run
 // what Gmsh takes to build transfinite hexahedra of order 3 in 375 blocks x 6^3. CPU time of the process.
 
 #include <benchmark/benchmark.h>

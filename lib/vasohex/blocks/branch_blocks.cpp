@@ -166,7 +166,8 @@ void place_frames(const Branch& branch, const SectionFrame* first, const Section
   }
 }
 
-void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, double good, BranchPiece& piece) {
+void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, const MeshDivision& mesh, double good,
+                          BranchPiece& piece) {
   const int layers = static_cast<int>(piece.stations.size()) - 1;
   const auto layer_nodes = [&](int layer, int count) {
     const auto begin = piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * layer * kBlockNodes;
@@ -174,7 +175,7 @@ void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, 
   };
   std::vector<char> weak(layers);
   for (int layer = 0; layer < layers; ++layer) {
-    const BlockSolution judged = judge_blocks(layer_nodes(layer, 1));
+    const BlockSolution judged = judge_blocks(layer_nodes(layer, 1), mesh);
     weak[layer] = !judged.certified || judged.min_jacobian < good;
   }
   for (int first = 0; first < layers; ++first) {
@@ -224,8 +225,11 @@ void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, 
       problem.sections.push_back({quad, 4, quad, piece.frames[from * kBlockDegree]});
       problem.sections.push_back({5 * (to - from) + quad, 5, quad, piece.frames[(to + 1) * kBlockDegree]});
     }
-    const BlockSolution before = judge_blocks(layer_nodes(from, to - from + 1));
-    const BlockSolution after = optimise_blocks(problem);
+    const BlockSolution before = judge_blocks(layer_nodes(from, to - from + 1), mesh);
+    problem.mesh = mesh;
+    BlockSolution after = optimise_blocks(problem);
+    after.min_jacobian = least_jacobian(after.nodes, mesh);
+    after = fit_to_mesh(problem, std::move(after));
     if (after.is_better_than(before)) {
       std::copy(after.nodes.begin(), after.nodes.end(),
                 piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * from * kBlockNodes);

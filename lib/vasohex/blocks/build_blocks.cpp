@@ -257,7 +257,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
       place_frames(branch, section[b][0] ? &section[b][0]->frame : nullptr,
                    section[b][1] ? &section[b][1]->frame : nullptr, piece);
       fill_nodes(surface, piece);
-      optimise_weak_layers(branch, surface, 0.7, piece);
+      optimise_weak_layers(branch, surface, options.mesh, 0.7, piece);
       const std::lock_guard lock(progress);
       run.progress("branches", static_cast<double>(++done) / network.branches.size());
     }

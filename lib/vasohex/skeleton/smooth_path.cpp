@@ -18,7 +18,8 @@ constexpr double kLongestRadius = 2.0;
 constexpr double kMoveAtBend = 0.75;   // the same where a bend is sharper than a tube allows
 constexpr double kMove = 0.2;          // largest displacement, in radii
 constexpr double kRadiusChange = 0.2;  // largest relative change
-constexpr double kSharp = 0.95;        // curvature times radius from which bends are softened
+constexpr double kTooSharp = 0.95;     // curvature times radius from which a path's bends are softened,
+constexpr double kSharp = 0.87;        // those above this
 constexpr double kSlope = 0.75;        // steepest change of the radius per length
 constexpr double kLongEdge = 10.0;     // in radii: such an edge is meant to be straight
 constexpr double kOffEdge = 0.25;      // largest distance from a long edge that needs no help, in radii
@@ -214,6 +215,9 @@ SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& rad
         compliance[i] = std::max(3 * compliance[i], std::pow(0.2 * radii[i], 3));
         bends[i] = true;
       }
+    }
+    if (round == 0 && sharpest < kTooSharp) {
+      break;  // a bend that a tube allows is better left alone: softened, its legs come nearer each other
     }
     if (round == 12 || std::none_of(soften.begin(), soften.end(), [](bool s) { return s; })) {
       break;
