@@ -29,15 +29,30 @@ SectionFrame frame_at(const AxisPoint& p) {
   return f;
 }
 
-/// Whether the surface around the axis point is a tube of about its radius, seen along 12 rays in the normal plane.
-bool is_tube(const ImplicitSurface& surface, const AxisPoint& p) {
+/// Whether the surface around the branch end's axis at arc length s is a tube, seen along 12 rays in the normal plane:
+/// of about the radius where vessels are round, of about the shape that it has a radius further on where they are not.
+bool is_tube(const ImplicitSurface& surface, const Branch& branch, int end, double s) {
+  const AxisPoint p = from_end(branch, end, s);
   const SectionFrame f = frame_at(p);
+  const bool round = surface.is_round() || s + p.radius > branch.length();
+  const AxisPoint q = from_end(branch, end, s + p.radius);
+  const auto wall = [&](const AxisPoint& from, const Vec3& direction, double most) {
+    return shoot(surface, from.position, direction, from.radius, most * from.radius);
+  };
   for (int ray = 0; ray < 12; ++ray) {
     const double angle = ray * std::numbers::pi / 6;
     const Vec3 direction = std::cos(angle) * f.x + std::sin(angle) * f.y;
-    const auto t = shoot(surface, f.origin, direction, f.radius, 1.3 * f.radius);
-    if (!t || *t > 1.05 * f.radius || *t < 0.7 * f.radius) {
-      return false;
+    if (round) {
+      const auto t = wall(p, direction, 1.3);
+      if (!t || *t > (surface.is_round() ? 1.05 : 1.3) * p.radius || *t < 0.7 * p.radius) {
+        return false;
+      }
+    } else {
+      const auto t = wall(p, direction, 3);
+      const auto further_on = wall(q, (direction - q.tangent.dot(direction) * q.tangent).normalized(), 3);
+      if (!t || !further_on || std::abs(*t - *further_on) > 0.2 * p.radius) {
+        return false;
+      }
     }
   }
   return true;
@@ -206,11 +221,10 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       arm.cap = distance[a];
       // the formula knows straight tubes only: move on until the surface is a tube
       for (int step = 0; step < 12 && arm.cap < branch.length(); ++step) {
-        const AxisPoint p = from_end(branch, arm.end, arm.cap);
-        if (is_tube(*around, p)) {
+        if (is_tube(*around, branch, arm.end, arm.cap)) {
           break;
         }
-        arm.cap += 0.25 * p.radius;
+        arm.cap += 0.25 * from_end(branch, arm.end, arm.cap).radius;
       }
       if (leads_to_end && arm.cap > branch.length() - 0.4 * branch.radii.back()) {
         arm.cap = branch.length();  // the cap is the end itself
