@@ -8,6 +8,7 @@
 #include <set>
 
 #include "vasohex/core/error.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 
 namespace vasohex {
@@ -77,7 +78,7 @@ double turn(const Skeleton& skeleton, const PointChain& chain, std::size_t k) {
   }
   const Vec3 a = skeleton.points[chain[k]] - skeleton.points[chain[k - 1]];
   const Vec3 b = skeleton.points[chain[k + 1]] - skeleton.points[chain[k]];
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+  return angle_between(a, b);
 }
 
 double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {

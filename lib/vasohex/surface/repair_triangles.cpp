@@ -6,8 +6,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "vasohex/core/disjoint_sets.h"
 #include "vasohex/core/error.h"
-#include "vasohex/skeleton/clean.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/surface/half_edges.h"
 
 namespace vasohex {
@@ -39,10 +40,6 @@ std::array<int, 3> sorted(std::array<int, 3> corners) {
 }
 
 }  // namespace
-
-std::string place(const Vec3& p) {
-  return "(" + short_text(p.x()) + " " + short_text(p.y()) + " " + short_text(p.z()) + ")";
-}
 
 void check_triangles(const TriSurface& surface) {
   for (std::size_t p = 0; p < surface.points.size(); ++p) {
@@ -80,22 +77,15 @@ void weld_points(TriSurface& surface, std::vector<std::string>& repairs) {
   }
   std::sort(order.begin(), order.end(),
             [&](int a, int b) { return along[a] != along[b] ? along[a] < along[b] : a < b; });
-  std::vector<int> first(order.size());
-  std::iota(first.begin(), first.end(), 0);
-  const auto root = [&](int i) {
-    while (first[i] != i) {
-      i = first[i] = first[first[i]];
-    }
-    return i;
-  };
+  DisjointSets same(static_cast<int>(order.size()));
   std::size_t welded = 0;
   int example = -1;
   for (std::size_t i = 0; i < order.size(); ++i) {
     for (std::size_t j = i + 1; j < order.size() && along[order[j]] - along[order[i]] <= near; ++j) {
       if ((surface.points[order[i]] - surface.points[order[j]]).norm() <= near) {
-        const int a = root(order[i]), b = root(order[j]);
+        const int a = same.find(order[i]), b = same.find(order[j]);
         if (a != b) {
-          first[std::max(a, b)] = std::min(a, b);
+          same.join(a, b);
           ++welded;
           example = example < 0 ? std::min(a, b) : example;
         }
@@ -108,7 +98,7 @@ void weld_points(TriSurface& surface, std::vector<std::string>& repairs) {
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     auto& corners = surface.triangles[t];
     for (int& p : corners) {
-      p = root(p);
+      p = same.find(p);
     }
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
       gone[t] = 1;
@@ -118,11 +108,11 @@ void weld_points(TriSurface& surface, std::vector<std::string>& repairs) {
   remove_triangles(surface, gone);
   if (welded > 0) {
     repairs.push_back(counted(welded, "point", "points") + " welded to another within " + short_text(near) +
-                      ", the first at " + place(surface.points[example]));
+                      ", the first at " + short_text(surface.points[example]));
   }
   if (flat > 0) {
     repairs.push_back(counted(flat, "triangle", "triangles") + " with equal corners removed, the first at " +
-                      place(at));
+                      short_text(at));
   }
 }
 
@@ -171,11 +161,11 @@ void drop_copies(TriSurface& surface, std::vector<std::string>& repairs) {
   remove_triangles(surface, gone);
   if (doubles > 0) {
     repairs.push_back(counted(doubles, "triangle", "triangles") +
-                      " given more than once, copies removed, the first at " + place(double_at));
+                      " given more than once, copies removed, the first at " + short_text(double_at));
   }
   if (films > 0) {
     repairs.push_back(counted(films, "pair", "pairs") +
-                      " of triangles without anything between removed, the first at " + place(film_at));
+                      " of triangles without anything between removed, the first at " + short_text(film_at));
   }
 }
 
@@ -237,7 +227,8 @@ void flip_needles(TriSurface& surface, std::vector<std::string>& repairs) {
     }
   }
   if (flips > 0) {
-    repairs.push_back(counted(flips, "triangle", "triangles") + " without height flipped, the first at " + place(at));
+    repairs.push_back(counted(flips, "triangle", "triangles") + " without height flipped, the first at " +
+                      short_text(at));
   }
 }
 
@@ -246,24 +237,12 @@ void separate_sheets(TriSurface& surface, std::vector<std::string>& repairs) {
   const std::vector<int> opposite = pair_half_edges(surface, &crowded);
   const int count = static_cast<int>(opposite.size());
   // corners around one point that hang together: those of pairs, matched by the point
-  std::vector<int> first(count);
-  std::iota(first.begin(), first.end(), 0);
-  const auto root = [&](int c) {
-    while (first[c] != c) {
-      c = first[c] = first[first[c]];
-    }
-    return c;
-  };
-  const auto join = [&](int a, int b) {
-    a = root(a);
-    b = root(b);
-    first[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets fans(count);
   for (int h = 0; h < count; ++h) {
     if (const int o = opposite[h]; o > h) {
       const bool against = start_point(surface, o) == end_point(surface, h);
-      join(h, against ? next_half_edge(o) : o);
-      join(next_half_edge(h), against ? o : next_half_edge(o));
+      fans.join(h, against ? next_half_edge(o) : o);
+      fans.join(next_half_edge(h), against ? o : next_half_edge(o));
     }
   }
   std::vector<int> owner(surface.points.size(), -1);  // the fan that keeps the point
@@ -271,7 +250,7 @@ void separate_sheets(TriSurface& surface, std::vector<std::string>& repairs) {
   std::size_t split = 0;
   Vec3 at = Vec3::Zero();
   for (int c = 0; c < count; ++c) {
-    const int fan = root(c);
+    const int fan = fans.find(c);
     const int p = start_point(surface, c);
     if (number[fan] < 0) {
       if (owner[p] < 0) {
@@ -286,15 +265,16 @@ void separate_sheets(TriSurface& surface, std::vector<std::string>& repairs) {
     }
   }
   for (int c = 0; c < count; ++c) {
-    surface.triangles[c / 3][c % 3] = number[root(c)];
+    surface.triangles[c / 3][c % 3] = number[fans.find(c)];
   }
   if (!crowded.empty()) {
     const int h = crowded[0];
-    repairs.push_back(counted(crowded.size(), "edge", "edges") +
-                      " of more than two triangles: sheets separated, the first at " +
-                      place((surface.points[start_point(surface, h)] + surface.points[end_point(surface, h)]) / 2));
+    repairs.push_back(
+        counted(crowded.size(), "edge", "edges") + " of more than two triangles: sheets separated, the first at " +
+        short_text((surface.points[start_point(surface, h)] + surface.points[end_point(surface, h)]) / 2));
   } else if (split > 0) {
-    repairs.push_back(counted(split, "point", "points") + " where sheets touch separated, the first at " + place(at));
+    repairs.push_back(counted(split, "point", "points") + " where sheets touch separated, the first at " +
+                      short_text(at));
   }
 }
 
@@ -325,7 +305,8 @@ void orient_outward(TriSurface& surface, std::vector<std::string>& repairs) {
           stack.push_back(o / 3);
         } else if (turn[o / 3] != wanted) {
           throw Error(ErrorCode::bad_input, "the surface has one side only (a Moebius band), seen at " +
-                                                place(middle(surface, t)) + "; it cannot be the wall of a lumen");
+                                                short_text(middle(surface, t)) +
+                                                "; it cannot be the wall of a lumen");
         }
       }
     }
@@ -350,7 +331,7 @@ void orient_outward(TriSurface& surface, std::vector<std::string>& repairs) {
   }
   if (minority > 0) {
     repairs.push_back(counted(minority, "triangle", "triangles") +
-                      " turned over to agree with the neighbours, the first at " + place(at));
+                      " turned over to agree with the neighbours, the first at " + short_text(at));
   }
   // outward: signed volume with each rim closed by a fan around its middle, relative to a point of the component
   const std::vector<int> pairs = pair_half_edges(surface);
@@ -448,11 +429,12 @@ int drop_fragments(TriSurface& surface, std::vector<std::string>& repairs) {
   remove_triangles(surface, gone);
   if (small > 0) {
     repairs.push_back(counted(small, "fragment", "fragments") +
-                      " of less than 1 % of the largest component's area dropped, the first at " + place(small_at));
+                      " of less than 1 % of the largest component's area dropped, the first at " +
+                      short_text(small_at));
   }
   if (inside > 0) {
     repairs.push_back(counted(inside, "component", "components") + " inside another dropped, the first at " +
-                      place(inside_at));
+                      short_text(inside_at));
   }
   return components - static_cast<int>(small + inside);
 }

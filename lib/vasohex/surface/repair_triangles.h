@@ -9,9 +9,6 @@
 
 namespace vasohex {
 
-/// `(1.5 -3 0.25)`, to name a place in messages.
-std::string place(const Vec3& point);
-
 /// Throws Error (bad_input) for indices out of range and coordinates that are not finite.
 void check_triangles(const TriSurface& surface);
 

@@ -5,9 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "vasohex/skeleton/clean.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/surface/half_edges.h"
-#include "vasohex/surface/repair_triangles.h"
 
 namespace vasohex {
 namespace {
@@ -193,7 +192,7 @@ void drop_caps(TriSurface& surface, std::vector<std::string>& repairs) {
     for (const int t : members) {
       gone[t] = 1;
     }
-    caps.push_back("flat cap at " + place(disc.centre) + ", radius " + short_text(disc.radius) + ": " +
+    caps.push_back("flat cap at " + short_text(disc.centre) + ", radius " + short_text(disc.radius) + ": " +
                    std::to_string(members.size()) + " triangles dropped, the plane is kept as an end");
   }
   if (!caps.empty()) {
@@ -227,7 +226,7 @@ void close_holes(TriSurface& surface, std::vector<std::string>& repairs) {
       }
     }
     repairs.push_back("hole of " + std::to_string(loop.size()) + " edges in the wall closed at " +
-                      place(disc.centre) + ", radius " + short_text(disc.radius));
+                      short_text(disc.centre) + ", radius " + short_text(disc.radius));
   }
 }
 
