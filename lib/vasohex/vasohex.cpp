@@ -46,6 +46,12 @@ SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& 
       p = frame.outward(p);
     }
   }
+  for (std::vector<Stretch>& region : out.blocks.regions) {
+    for (Stretch& stretch : region) {
+      stretch.from *= frame.scale;
+      stretch.to *= frame.scale;
+    }
+  }
   for (SectionFrame& end : out.blocks.ends) {
     end = {frame.outward(end.origin), frame.rotation * end.x, frame.rotation * end.y, frame.scale * end.radius};
   }

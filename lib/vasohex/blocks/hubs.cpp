@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
+#include "vasohex/core/disjoint_sets.h"
 #include "vasohex/surface/project.h"
 
 namespace vasohex {
@@ -95,11 +95,7 @@ std::vector<Departure> depart(const Network& network, Hub& hub) {
   if (move < 0.25 * at || std::max(parting[i], parting[j]) > 0.6 * parting[third]) {
     return departures;
   }
-  const auto middle = [&](double s) -> ArmPoint {
-    const ArmPoint p = arm_point(axes[i], s), q = arm_point(axes[j], s);
-    const double sum = p.radius + q.radius;
-    return {(p.radius * p.position + q.radius * q.position) / sum, std::max(p.radius, q.radius)};
-  };
+  const auto middle = [&](double s) { return middle_of({arm_point(axes[i], s), arm_point(axes[j], s)}); };
   ArmAxis back;
   for (double s = move; s > 0.1 * at; s -= 0.2 * at) {
     back.points.push_back(middle(s).position);
@@ -134,10 +130,7 @@ ArmAxis axis_between(const Branch& branch, int end, double cap, const std::array
     append(axis, sample(branch, end, here.start, last));
   }
   if (is_link) {
-    ArmAxis back = there.way;
-    std::reverse(back.points.begin(), back.points.end());
-    std::reverse(back.radii.begin(), back.radii.end());
-    append(axis, back);
+    append(axis, reversed(there.way));
   }
   if (axis.points.size() < 2) {
     append(axis, sample(branch, end, cap, cap));
@@ -227,14 +220,7 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
     hubs.push_back(hub);
   }
 
-  std::vector<int> leader(hubs.size());
-  std::iota(leader.begin(), leader.end(), 0);
-  const auto find = [&](int h) {
-    while (leader[h] != h) {
-      h = leader[h] = leader[leader[h]];
-    }
-    return h;
-  };
+  DisjointSets linked(static_cast<int>(hubs.size()));
   // Branches too short for two caps become links, the shortest of those between the same two hubs: a second one would
   // share faces with it.
   std::map<std::array<int, 2>, int> link_between;
@@ -261,7 +247,7 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       if (link != link_between.end() && link->second == arm.branch) {
         arm.link = other;
         arm.cap = length;
-        leader[std::max(find(self), find(other))] = std::min(find(self), find(other));
+        linked.join(self, other);
       } else if (other >= 0 && both + 0.3 * middle_radius > length) {
         arm.cap *= (length - 0.3 * middle_radius) / both;  // a tight loop
       }
@@ -285,7 +271,7 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
   }
   std::map<int, std::vector<int>> members;
   for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
-    members[find(h)].push_back(h);
+    members[linked.find(h)].push_back(h);
   }
   std::vector<Cluster> clusters;
   for (const auto& [first, list] : members) {

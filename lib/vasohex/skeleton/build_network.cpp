@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <set>
 
+#include "vasohex/core/disjoint_sets.h"
 #include "vasohex/core/error.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 #include "vasohex/skeleton/loops.h"
 #include "vasohex/skeleton/sample_axis.h"
@@ -159,9 +160,7 @@ std::vector<int> continuations(const Skeleton& skeleton, const Topology& topolog
       int a, b;
     };
     std::vector<Pair> pairs;
-    const auto bend = [&](int a, int b) {
-      return std::numbers::pi - std::atan2(direction[a].cross(direction[b]).norm(), direction[a].dot(direction[b]));
-    };
+    const auto bend = [&](int a, int b) { return std::numbers::pi - angle_between(direction[a], direction[b]); };
     for (std::size_t i = 0; i < ends.size(); ++i) {
       for (std::size_t j = i + 1; j < ends.size(); ++j) {
         const int a = ends[i], b = ends[j];
@@ -421,17 +420,9 @@ void give_names(const Skeleton& skeleton, Network& network) {
 /// Names of the ends that have none yet.
 void choose_names(const Skeleton& skeleton, const Run& run, Network& network) {
   const int count = static_cast<int>(network.nodes.size());
-  std::vector<int> root(count);  // of the component
-  std::iota(root.begin(), root.end(), 0);
-  const auto component = [&](int n) {
-    while (root[n] != n) {
-      n = root[n] = root[root[n]];
-    }
-    return n;
-  };
+  DisjointSets component(count);
   for (const Branch& branch : network.branches) {
-    const int a = component(branch.nodes[0]), b = component(branch.nodes[1]);
-    root[std::max(a, b)] = std::min(a, b);
+    component.join(branch.nodes[0], branch.nodes[1]);
   }
   struct Component {
     double volume = 0;
@@ -439,12 +430,12 @@ void choose_names(const Skeleton& skeleton, const Run& run, Network& network) {
   };
   std::map<int, Component> by_root;
   for (const Branch& branch : network.branches) {
-    by_root[component(branch.nodes[0])].volume += volume(branch);
+    by_root[component.find(branch.nodes[0])].volume += volume(branch);
   }
   std::set<std::string> taken;
   for (int n = 0; n < count; ++n) {
     if (network.nodes[n].degree == 1) {
-      by_root[component(n)].ends.push_back(n);
+      by_root[component.find(n)].ends.push_back(n);
       taken.insert(network.nodes[n].name);
     }
   }

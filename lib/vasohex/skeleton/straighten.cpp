@@ -7,6 +7,7 @@
 #include <set>
 
 #include "vasohex/core/error.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 
 namespace vasohex {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "vasohex/core/smooth_step.h"
 #include "vasohex/core/parallel.h"
 #include "vasohex/surface/blending.h"
 #include "vasohex/surface/cone_kernel.h"
