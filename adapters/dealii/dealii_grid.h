@@ -57,6 +57,7 @@ class DealiiGrid {
   const MeshInfo& info() const;
 
   struct Data;  ///< the coarse cells; internal
+  explicit DealiiGrid(Data data);
 
  private:
   std::shared_ptr<const Data> data_;
