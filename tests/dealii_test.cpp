@@ -1,4 +1,5 @@
-// Meshes and blocks as grids of deal.II: what deal.II integrates over them is what we do. Runs on any number of ranks.
+// Meshes and blocks as grids of deal.II: what deal.II integrates over them is what we do. Runs on any number of
+// ranks.
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
@@ -6,6 +7,7 @@
 #include <deal.II/distributed/tria.h>
 #include <deal.II/fe/fe_nothing.h>
 #include <deal.II/fe/fe_values.h>
+#include <deal.II/fe/mapping_q.h>
 #include <deal.II/fe/mapping_q_cache.h>
 #include <deal.II/grid/tria.h>
 #include <gtest/gtest.h>
@@ -162,7 +164,8 @@ TEST(Grid, TakesEveryShapeOfTheGallery) {
 /// The same elements, each turned by one of the 24 rotations of the cube.
 HexMesh turned(HexMesh mesh, int seed) {
   std::vector<std::array<int, 3>> axes;  // signed: 1 + axis of the old cube along each new direction
-  for (const std::array<int, 3>& a : {std::array<int, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}) {
+  for (const std::array<int, 3>& a :
+       {std::array<int, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}) {
     const bool even = (a[1] - a[0] + 3) % 3 == 1;
     for (int signs = 0; signs < 8; ++signs) {
       const int mirrored = (signs & 1) + (signs >> 1 & 1) + (signs >> 2 & 1);
@@ -262,9 +265,9 @@ TEST(Blocks, RefinedAndProjectedAreTheMeshOfAsManyElements) {
         Grading grading;
         grading.elements = 1 << level;
         const Sheets sheets = grade(coarse.blocks, topology, grading);
-        const HexMesh mesh = generate_mesh(coarse.blocks, topology, sheets, *coarse.surface,
-                                           {order, NodeFamily::gauss_lobatto}, {})
-                                 .mesh;
+        const HexMesh mesh =
+            generate_mesh(coarse.blocks, topology, sheets, *coarse.surface, {order, NodeFamily::gauss_lobatto}, {})
+                .mesh;
         MappingQCache<3> mapping(order);
         grid.map(forest, mapping);
         const Measures measured = measure(forest, mapping, mesh.surfaces.size());
@@ -296,6 +299,71 @@ TEST(Blocks, RefinementOfAPipeConvergesToTheCylinder) {
       forest.refine_global(1);
     }
   }
+}
+
+TEST(Manifolds, PutRefinementOntoTheCoarseCells) {
+  const HexMesh mesh = mesh_of(iliac(), 3, 1).result.mesh;
+  const DealiiGrid grid(mesh);
+  for (const bool p4est : {false, true}) {
+    Triangulation<3> serial;
+    Forest forest(MPI_COMM_WORLD);
+    Triangulation<3>& triangulation = p4est ? forest : serial;
+    grid.create(triangulation);
+    grid.attach_manifolds(triangulation);
+    triangulation.refine_global(1);
+    std::vector<dealii::Point<3>> vertices = triangulation.get_vertices();
+    MappingQCache<3> truth(3);
+    // of deal.II's own making, out of the manifolds alone
+    MappingQCache<3> own(3);
+    own.initialize(dealii::MappingQ<3>(3), triangulation);
+    const Measures measured = measure(triangulation, own, mesh.surfaces.size());
+    expect_equal(measured, mesh, 1e-11);
+    grid.map(triangulation, truth);
+    double most = 0;
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      most = std::max(most, vertices[v].distance(triangulation.get_vertices()[v]));
+    }
+    EXPECT_LT(most, 1e-11 * 10) << "radii are about 10";
+  }
+  Parts parts(MPI_COMM_WORLD);
+  EXPECT_NE(error_of([&] { grid.attach_manifolds(parts); }).find("fullydistributed"), std::string::npos);
+}
+
+TEST(FromBlockFile, EveryRankMakesItsOwnPart) {
+  for (const Skeleton& skeleton : {gallery::linked(6), iliac()}) {
+    SkeletonMeshOptions options;
+    options.grading.elements = 2;
+    options.mesh = {3, NodeFamily::gauss_lobatto};
+    const BlockFile file = block_file(mesh_skeleton(skeleton, options), options);
+    const HexMesh whole = mesh_blocks(file, file.grading, options.mesh).mesh;
+    const DealiiGrid grid(file, file.grading, options.mesh, MPI_COMM_WORLD);
+    Parts parts(MPI_COMM_WORLD);
+    grid.create(parts);
+    EXPECT_EQ(parts.n_global_active_cells(), static_cast<std::size_t>(whole.element_count()));
+    const std::size_t ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+    EXPECT_LE(parts.n_locally_owned_active_cells(), whole.element_count() / ranks + 1);
+    MappingQCache<3> mapping(3);
+    grid.map(parts, mapping);
+    expect_equal(measure(parts, mapping, whole.surfaces.size()), whole);
+    EXPECT_EQ(grid.info().boundaries.size(), whole.surfaces.size());
+    Triangulation<3> serial;
+    EXPECT_NE(error_of([&] { grid.create(serial); }).find("fullydistributed"), std::string::npos);
+  }
+}
+
+TEST(FromBlockFile, ForestsAreRefinedBlocks) {
+  const SkeletonMeshOptions options;
+  const BlockFile file = block_file(mesh_of(iliac(), 3, 1), options);
+  Grading grading;
+  grading.elements = 2;
+  const HexMesh whole = mesh_blocks(file, grading, {3, NodeFamily::gauss_lobatto}).mesh;
+  const DealiiGrid grid(file);
+  Forest forest(MPI_COMM_WORLD);
+  grid.create(forest);
+  forest.refine_global(1);
+  MappingQCache<3> mapping(3);
+  grid.map(forest, mapping);
+  expect_equal(measure(forest, mapping, whole.surfaces.size()), whole, 1e-9);
 }
 
 TEST(Info, TellsWhereTheEndsAre) {

@@ -55,8 +55,7 @@ HexMesh block_mesh(const BlockStructure& blocks) {
   return mesh;
 }
 
-CoarseCells::CoarseCells(HexMesh mesh)
-    : mesh_(std::move(mesh)), nodes_1d_(family_nodes(mesh_.family, mesh_.order)) {
+CoarseCells::CoarseCells(HexMesh mesh) : mesh_(std::move(mesh)), nodes_1d_(family_nodes(mesh_.family, mesh_.order)) {
   for (int e = 0; e < mesh_.element_count(); ++e) {
     Eigen::Matrix3d jacobian;
     const Vec3 middle = point(e, Vec3::Constant(0.5), jacobian);

@@ -26,6 +26,7 @@ class CoarseCells {
   CoarseCells(const BlockStructure& blocks, std::shared_ptr<const ImplicitSurface> surface);
 
   const HexMesh& mesh() const { return mesh_; }
+  const std::vector<double>& nodes_1d() const { return nodes_1d_; }
 
   /// The (order + 1)^3 Gauss-Lobatto points of a descendant, lexicographic.
   std::vector<Vec3> points(int element, const SubCube& cube, int order) const;
@@ -36,9 +37,9 @@ class CoarseCells {
  private:
   /// How the wall of an element is to be projected.
   struct Wall {
-    int face = -1;                      ///< of the element; -1: it has none
+    int face = -1;  ///< of the element; -1: it has none
     const ImplicitSurface* surface = nullptr;
-    std::array<int, 6> end{};           ///< by face: 1 + index of the end's plane; 0: no end
+    std::array<int, 6> end{};  ///< by face: 1 + index of the end's plane; 0: no end
   };
   Vec3 wall_shift(const Wall& wall, const Vec3& start, const std::vector<int>& planes) const;
 

@@ -7,12 +7,12 @@
 #include <deal.II/fe/mapping_q_cache.h>
 #include <deal.II/grid/tria.h>
 
-#include <algorithm>
 #include <numeric>
 #include <utility>
 
 #include "dealii/grid_data.h"
 #include "vasohex/core/error.h"
+#include "vasohex/mesh_part.h"
 
 namespace vasohex {
 namespace {
@@ -45,7 +45,7 @@ class ElementOf {
 
   int operator()(CellIterator cell, const dealii::CellId& id) const {
     if (by_id_) {  // each rank has a numbering of its own
-      return data_.element_of(id.get_coarse_cell_id());
+      return data_.element_of(static_cast<std::int64_t>(id.get_coarse_cell_id()));
     }
     // with p4est the coarse cell id is the number of a tree; the index is the one that we gave
     while (cell->level() > 0) {
@@ -66,10 +66,22 @@ DealiiGrid::DealiiGrid(HexMesh mesh) : DealiiGrid(Data{CoarseCells(std::move(mes
 DealiiGrid::DealiiGrid(const BlockStructure& blocks, std::shared_ptr<const ImplicitSurface> surface)
     : DealiiGrid(Data{CoarseCells(blocks, std::move(surface)), {}, {}, {}}) {}
 
+DealiiGrid::DealiiGrid(const BlockFile& file) : DealiiGrid(file.blocks, make_surface(file)) {}
+
+DealiiGrid::DealiiGrid(const BlockFile& file, const Grading& grading, const MeshOptions& options,
+                       MPI_Comm communicator) {
+  Run run;
+  run.threads = 1;  // one rank, one core
+  MeshPart part =
+      mesh_part(file, grading, options, static_cast<int>(dealii::Utilities::MPI::this_mpi_process(communicator)),
+                static_cast<int>(dealii::Utilities::MPI::n_mpi_processes(communicator)), run);
+  data_ =
+      std::make_shared<const Data>(Data{CoarseCells(std::move(part.result.mesh)), mesh_info(block_mesh(file.blocks)),
+                                        std::move(part.ids), std::move(part.owner)});
+}
+
 DealiiGrid::DealiiGrid(Data data) {
-  if (data.info.boundaries.empty()) {
-    data.info = mesh_info(data.cells.mesh());
-  }
+  data.info = mesh_info(data.cells.mesh());
   data_ = std::make_shared<const Data>(std::move(data));
 }
 
@@ -79,6 +91,10 @@ void DealiiGrid::create(Triangulation& triangulation) const {
   if (auto* fully = dynamic_cast<FullyDistributed*>(&triangulation)) {
     fully->create_triangulation(data_->description(fully->get_communicator()));
   } else {
+    if (!data_->ids.empty()) {
+      throw Error(ErrorCode::bad_input,
+                  "one rank's part of a mesh can only become a parallel::fullydistributed triangulation");
+    }
     std::vector<int> all(data_->cells.mesh().element_count());
     std::iota(all.begin(), all.end(), 0);
     const auto [vertices, cells] = data_->corner_cells(all);
@@ -100,11 +116,20 @@ void DealiiGrid::create(Triangulation& triangulation) const {
 
 void DealiiGrid::map(Triangulation& triangulation, dealii::MappingQCache<3, 3>& mapping) const {
   const ElementOf element_of(*data_, triangulation);
+  std::vector<char> moved(triangulation.n_vertices(), 0);
   for (const CellIterator& cell : triangulation.cell_iterators()) {
+    bool all_moved = true;
+    for (unsigned int v = 0; v < 8; ++v) {
+      all_moved = all_moved && moved[cell->vertex_index(v)];
+    }
+    if (all_moved) {
+      continue;
+    }
     const dealii::CellId id = cell->id();
     const std::vector<Vec3> corners = data_->cells.points(element_of(cell, id), cube_of(id), 1);
     for (unsigned int v = 0; v < 8; ++v) {
       cell->vertex(v) = to_point(corners[v]);
+      moved[cell->vertex_index(v)] = 1;
     }
   }
   triangulation.signals.mesh_movement();

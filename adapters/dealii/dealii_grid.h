@@ -3,11 +3,10 @@
 
 #include <deal.II/base/config.h>
 
-#include <array>
 #include <memory>
-#include <vector>
 
 #include "dealii/mesh_info.h"
+#include "vasohex/block_file.h"
 #include "vasohex/blocks/block_structure.h"
 #include "vasohex/mesh/hex_mesh.h"
 #include "vasohex/surface/implicit_surface.h"
@@ -41,6 +40,15 @@ class DealiiGrid {
   /// the same frame.
   explicit DealiiGrid(const BlockStructure& blocks, std::shared_ptr<const ImplicitSurface> surface = nullptr);
 
+  /// The blocks of a block file, projected onto the surface of its network: for p4est, which refines each rank's own
+  /// part of them.
+  explicit DealiiGrid(const BlockFile& file);
+
+  /// One rank's part of the mesh that mesh_blocks would make, and its neighbours: for parallel::fullydistributed,
+  /// where no rank holds more. Equal on all ranks: file, grading, options. No communication. info() is that of the
+  /// blocks.
+  DealiiGrid(const BlockFile& file, const Grading& grading, const MeshOptions& options, MPI_Comm communicator);
+
   /// Fills an empty triangulation: dealii::Triangulation, parallel::shared, parallel::distributed (p4est) or
   /// parallel::fullydistributed; for the last one the cells are dealt out to the ranks in contiguous ranges.
   void create(dealii::Triangulation<3, 3>& triangulation) const;
@@ -50,8 +58,9 @@ class DealiiGrid {
   /// places too, so that mappings of degree 1 are right. To be called after create() and after every refinement.
   void map(dealii::Triangulation<3, 3>& triangulation, dealii::MappingQCache<3, 3>& mapping) const;
 
-  /// Attaches a manifold to each coarse cell, so that refinement itself puts new points onto the geometry (without the
-  /// projection). map() does not need it; plain MappingQ does. Not for parallel::fullydistributed.
+  /// Attaches a manifold to each coarse cell (manifold id: its index), so that refinement itself puts new points onto
+  /// the coarse cells' polynomials (without projection). map() does not need it; dealii::MappingQ does. Throws
+  /// Error(bad_input) for parallel::fullydistributed, whose cells cannot be refined.
   void attach_manifolds(dealii::Triangulation<3, 3>& triangulation) const;
 
   const MeshInfo& info() const;

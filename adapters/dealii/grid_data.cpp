@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <string>
+#include <tuple>
 
 #include "vasohex/core/error.h"
+#include "vasohex/mesh_part.h"
 
 namespace vasohex {
 namespace {
@@ -20,7 +22,7 @@ constexpr std::array<int, 8> corner_nodes(int order) {
 
 }  // namespace
 
-int DealiiGrid::Data::element_of(std::uint64_t coarse_cell_id) const {
+int DealiiGrid::Data::element_of(std::int64_t coarse_cell_id) const {
   if (ids.empty()) {
     return static_cast<int>(coarse_cell_id);
   }
@@ -58,10 +60,10 @@ dealii::TriangulationDescription::Description<3, 3> DealiiGrid::Data::descriptio
   const HexMesh& mesh = cells.mesh();
   const int count = mesh.element_count();
   std::vector<int> relevant;
-  std::vector<unsigned int> ranks = owner;
+  std::vector<int> ranks = owner;
   if (ids.empty()) {
-    const int size = dealii::Utilities::MPI::n_mpi_processes(communicator);
-    const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
+    const int size = static_cast<int>(dealii::Utilities::MPI::n_mpi_processes(communicator));
+    const int rank = static_cast<int>(dealii::Utilities::MPI::this_mpi_process(communicator));
     if (count < size) {
       throw Error(ErrorCode::bad_input, "a grid of " + std::to_string(count) + " cells cannot be dealt out to " +
                                             std::to_string(size) + " ranks; use at most as many ranks as cells");
@@ -98,12 +100,12 @@ dealii::TriangulationDescription::Description<3, 3> DealiiGrid::Data::descriptio
   out.smoothing = dealii::Triangulation<3, 3>::limit_level_difference_at_vertices;
   out.cell_infos.resize(1);
   for (const int e : relevant) {
-    const dealii::types::coarse_cell_id id = ids.empty() ? e : ids[e];
+    const dealii::types::coarse_cell_id id = static_cast<std::uint64_t>(ids.empty() ? e : ids[e]);
     out.coarse_cell_index_to_coarse_cell_id.push_back(id);
     dealii::TriangulationDescription::CellData<3> cell;
     cell.id = dealii::CellId(id, {}).to_binary<3>();
-    cell.subdomain_id = ranks[e];
-    cell.level_subdomain_id = ranks[e];
+    cell.subdomain_id = static_cast<unsigned int>(ranks[e]);
+    cell.level_subdomain_id = cell.subdomain_id;
     cell.manifold_id = dealii::numbers::flat_manifold_id;
     cell.manifold_line_ids.fill(dealii::numbers::flat_manifold_id);
     cell.manifold_quad_ids.fill(dealii::numbers::flat_manifold_id);

@@ -13,20 +13,15 @@
 
 namespace vasohex {
 
-/// Rank of cell `i` of `count` that are dealt out to `ranks` in contiguous ranges of equal size.
-inline unsigned int owner_of(std::int64_t i, std::int64_t count, std::int64_t ranks) {
-  return static_cast<unsigned int>(((i + 1) * ranks - 1) / count);
-}
-
 struct DealiiGrid::Data {
   CoarseCells cells;
   MeshInfo info;
-  /// Of one rank's part of a larger grid: coarse cell ids of the elements, ascending. Empty: element e is coarse cell
-  /// e.
-  std::vector<std::uint64_t> ids;
-  std::vector<unsigned int> owner;  ///< of such a part: [elements] rank
+  /// Of one rank's part of a larger grid, by elements: index in the whole, ascending, and rank. Empty: this is the
+  /// whole.
+  std::vector<std::int64_t> ids;
+  std::vector<int> owner;
 
-  int element_of(std::uint64_t coarse_cell_id) const;
+  int element_of(std::int64_t coarse_cell_id) const;
 
   /// Corners of these elements, numbered anew without gaps, and the elements as deal.II's cells.
   std::pair<std::vector<dealii::Point<3>>, std::vector<dealii::CellData<3>>> corner_cells(

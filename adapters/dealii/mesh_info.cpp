@@ -17,8 +17,8 @@ BoundaryRole role_of(const std::string& name) {
   return name.starts_with("inlet") ? BoundaryRole::inlet : BoundaryRole::outlet;
 }
 
-/// Gauss-Lobatto quadrature with order + 1 points on [0,1]: the weights are the integrals of the Lagrange polynomials,
-/// w = 1 / (q (q + 1) P_q(x)^2).
+/// Gauss-Lobatto quadrature with order + 1 points on [0,1]: the weights are the integrals of the Lagrange
+/// polynomials, w = 1 / (q (q + 1) P_q(x)^2).
 std::vector<double> lobatto_weights(const std::vector<double>& nodes) {
   const int q = static_cast<int>(nodes.size()) - 1;
   std::vector<double> weights;

@@ -31,8 +31,8 @@ struct MeshInfo {
   const BoundaryInfo& boundary(const std::string& name) const;
 };
 
-/// By exact quadrature over the boundary faces. Roles follow the names: `inlet`, `inlet_2`, ... are inlets, `wall` the
-/// wall, all others outlets.
+/// By exact quadrature over the boundary faces. Roles follow the names: `inlet`, `inlet_2`, ... are inlets, `wall`
+/// the wall, all others outlets.
 MeshInfo mesh_info(const HexMesh& mesh);
 
 }  // namespace vasohex
