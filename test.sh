@@ -5,6 +5,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source .ci/need_packages.sh
 
+# libdeal.ii-dev in this list would build and test the grids of deal.II too (docs/dealii.md)
 need_packages "${build_packages[@]}" ccache libgtest-dev libgmsh-dev \
   python3 python3-numpy python3-scipy python3-gmsh python3-vtk9 python3-meshio
 
