@@ -7,6 +7,21 @@
 #include "vasohex/surface/triangle_surface.h"
 
 namespace vasohex {
+namespace {
+
+/// Where a triangle is more than 20 degrees off the normal of the point: a normal there says nothing of the wall.
+std::vector<char> sharp_points(const TriSurface& surface, const std::vector<Vec3>& normals) {
+  std::vector<char> sharp(normals.size(), 0);
+  for (int t = 0; t < static_cast<int>(surface.triangles.size()); ++t) {
+    const Vec3 normal = area_normal(surface, t);
+    for (const int p : surface.triangles[t]) {
+      sharp[p] = sharp[p] || normal.dot(normals[p]) < 0.94 * normal.norm();
+    }
+  }
+  return sharp;
+}
+
+}  // namespace
 
 void refine_triangles(TriSurface& surface, const std::function<double(const Vec3&)>& radius) {
   for (int round = 0; round < 6; ++round) {
@@ -14,6 +29,7 @@ void refine_triangles(TriSurface& surface, const std::function<double(const Vec3
     const int count = static_cast<int>(opposite.size());
     std::vector<int> middle(count, -1);  // the new point of each half-edge
     std::vector<Vec3> normals;
+    std::vector<char> sharp;
     for (int t = 0; t < count / 3; ++t) {
       std::array<double, 3> length{};
       for (int k = 0; k < 3; ++k) {
@@ -21,6 +37,7 @@ void refine_triangles(TriSurface& surface, const std::function<double(const Vec3
             (surface.points[start_point(surface, 3 * t + k)] - surface.points[end_point(surface, 3 * t + k)]).norm();
       }
       const double shortest = *std::min_element(length.begin(), length.end());
+      const double longest = *std::max_element(length.begin(), length.end());
       double r = -1;
       for (int k = 0; k < 3; ++k) {
         const int h = 3 * t + k;
@@ -29,24 +46,24 @@ void refine_triangles(TriSurface& surface, const std::function<double(const Vec3
           continue;
         }
         r = r < 0 ? radius(a) : r;
-        if (!(length[k] > 0.4 * r || (length[k] > 0.2 * r && length[k] > 2 * shortest))) {
+        if (!(length[k] > 0.4 * r || (length[k] > 0.2 * r && length[k] > 2 * shortest && length[k] == longest))) {
           continue;
         }
         if (normals.empty()) {
           normals = angle_weighted_normals(surface);
+          sharp = sharp_points(surface, normals);
         }
-        const Vec3& na = normals[start_point(surface, h)];
-        const Vec3& nb = normals[end_point(surface, h)];
+        const int ia = start_point(surface, h), ib = end_point(surface, h);
         Vec3 p = 0.5 * (a + b);
-        if (na.dot(nb) > 0.5) {
-          p += ((a - b).dot(na) * na + (b - a).dot(nb) * nb) / 8;
+        const Vec3 bulge = ((a - b).dot(normals[ia]) * normals[ia] + (b - a).dot(normals[ib]) * normals[ib]) / 8;
+        if (!sharp[ia] && !sharp[ib] && normals[ia].dot(normals[ib]) > 0.5 && bulge.norm() < 0.1 * r) {
+          p += bulge;
         }
         middle[h] = static_cast<int>(surface.points.size());
         if (opposite[h] >= 0) {
           middle[opposite[h]] = middle[h];
         }
         surface.points.push_back(p);
-        normals.push_back(Vec3::Zero());  // numbers as the points
       }
     }
     if (normals.empty()) {
