@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "vasohex/core/error.h"
+#include "vasohex/blocks/move_blocks.h"
 #include "vasohex/skeleton/own_frame.h"
 
 namespace vasohex {
@@ -217,13 +218,7 @@ MeshPart mesh_part(const BlockFile& file, const Grading& asked, const MeshOption
     own[b] = owner_of(first[b], part.total, ranks) <= rank && owner_of(first[b + 1] - 1, part.total, ranks) >= rank;
   }
   SomeBlocks some = choose(file.blocks, topology, sheets, with_neighbours(topology, with_neighbours(topology, own)));
-  for (Vec3& p : some.blocks.nodes) {
-    p = frame.inward(p);
-  }
-  for (SectionFrame& end : some.blocks.ends) {
-    end = {frame.inward(end.origin), frame.rotation.transpose() * end.x, frame.rotation.transpose() * end.y,
-           end.radius / frame.scale};
-  }
+  move_inward(some.blocks, frame);
   const auto surface = make_convolution_surface(in_frame(file.network, frame), file.surface, run);
   part.result = generate_mesh(some.blocks, some.topology, some.sheets, *surface, options, run);
   HexMesh& mesh = part.result.mesh;

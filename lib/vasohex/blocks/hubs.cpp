@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
+#include "vasohex/core/disjoint_sets.h"
 #include "vasohex/surface/project.h"
 
 namespace vasohex {
@@ -29,15 +29,30 @@ SectionFrame frame_at(const AxisPoint& p) {
   return f;
 }
 
-/// Whether the surface around the axis point is a tube of about its radius, seen along 12 rays in the normal plane.
-bool is_tube(const ImplicitSurface& surface, const AxisPoint& p) {
+/// Whether the surface around the branch end's axis at arc length s is a tube, seen along 12 rays in the normal plane:
+/// of about the radius where vessels are round, of about the shape that it has a radius further on where they are not.
+bool is_tube(const ImplicitSurface& surface, const Branch& branch, int end, double s) {
+  const AxisPoint p = from_end(branch, end, s);
   const SectionFrame f = frame_at(p);
+  const bool round = surface.is_round() || s + p.radius > branch.length();
+  const AxisPoint q = from_end(branch, end, s + p.radius);
+  const auto wall = [&](const AxisPoint& from, const Vec3& direction, double most) {
+    return shoot(surface, from.position, direction, from.radius, most * from.radius);
+  };
   for (int ray = 0; ray < 12; ++ray) {
     const double angle = ray * std::numbers::pi / 6;
     const Vec3 direction = std::cos(angle) * f.x + std::sin(angle) * f.y;
-    const auto t = shoot(surface, f.origin, direction, f.radius, 1.3 * f.radius);
-    if (!t || *t > 1.05 * f.radius || *t < 0.7 * f.radius) {
-      return false;
+    if (round) {
+      const auto t = wall(p, direction, 1.3);
+      if (!t || *t > (surface.is_round() ? 1.05 : 1.3) * p.radius || *t < 0.7 * p.radius) {
+        return false;
+      }
+    } else {
+      const auto t = wall(p, direction, 3);
+      const auto further_on = wall(q, (direction - q.tangent.dot(direction) * q.tangent).normalized(), 3);
+      if (!t || !further_on || std::abs(*t - *further_on) > 0.2 * p.radius) {
+        return false;
+      }
     }
   }
   return true;
@@ -95,11 +110,7 @@ std::vector<Departure> depart(const Network& network, Hub& hub) {
   if (move < 0.25 * at || std::max(parting[i], parting[j]) > 0.6 * parting[third]) {
     return departures;
   }
-  const auto middle = [&](double s) -> ArmPoint {
-    const ArmPoint p = arm_point(axes[i], s), q = arm_point(axes[j], s);
-    const double sum = p.radius + q.radius;
-    return {(p.radius * p.position + q.radius * q.position) / sum, std::max(p.radius, q.radius)};
-  };
+  const auto middle = [&](double s) { return middle_of({arm_point(axes[i], s), arm_point(axes[j], s)}); };
   ArmAxis back;
   for (double s = move; s > 0.1 * at; s -= 0.2 * at) {
     back.points.push_back(middle(s).position);
@@ -134,10 +145,7 @@ ArmAxis axis_between(const Branch& branch, int end, double cap, const std::array
     append(axis, sample(branch, end, here.start, last));
   }
   if (is_link) {
-    ArmAxis back = there.way;
-    std::reverse(back.points.begin(), back.points.end());
-    std::reverse(back.radii.begin(), back.radii.end());
-    append(axis, back);
+    append(axis, reversed(there.way));
   }
   if (axis.points.size() < 2) {
     append(axis, sample(branch, end, cap, cap));
@@ -213,11 +221,10 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       arm.cap = distance[a];
       // the formula knows straight tubes only: move on until the surface is a tube
       for (int step = 0; step < 12 && arm.cap < branch.length(); ++step) {
-        const AxisPoint p = from_end(branch, arm.end, arm.cap);
-        if (is_tube(*around, p)) {
+        if (is_tube(*around, branch, arm.end, arm.cap)) {
           break;
         }
-        arm.cap += 0.25 * p.radius;
+        arm.cap += 0.25 * from_end(branch, arm.end, arm.cap).radius;
       }
       if (leads_to_end && arm.cap > branch.length() - 0.4 * branch.radii.back()) {
         arm.cap = branch.length();  // the cap is the end itself
@@ -227,14 +234,7 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
     hubs.push_back(hub);
   }
 
-  std::vector<int> leader(hubs.size());
-  std::iota(leader.begin(), leader.end(), 0);
-  const auto find = [&](int h) {
-    while (leader[h] != h) {
-      h = leader[h] = leader[leader[h]];
-    }
-    return h;
-  };
+  DisjointSets linked(static_cast<int>(hubs.size()));
   // Branches too short for two caps become links, the shortest of those between the same two hubs: a second one would
   // share faces with it.
   std::map<std::array<int, 2>, int> link_between;
@@ -261,7 +261,7 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       if (link != link_between.end() && link->second == arm.branch) {
         arm.link = other;
         arm.cap = length;
-        leader[std::max(find(self), find(other))] = std::min(find(self), find(other));
+        linked.join(self, other);
       } else if (other >= 0 && both + 0.3 * middle_radius > length) {
         arm.cap *= (length - 0.3 * middle_radius) / both;  // a tight loop
       }
@@ -285,7 +285,7 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
   }
   std::map<int, std::vector<int>> members;
   for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
-    members[find(h)].push_back(h);
+    members[linked.find(h)].push_back(h);
   }
   std::vector<Cluster> clusters;
   for (const auto& [first, list] : members) {

@@ -21,9 +21,15 @@ class MovedSurface final : public ImplicitSurface {
     return v;
   }
   double radius(const Vec3& x) const override { return frame_.scale * surface_->radius(frame_.inward(x)); }
-  /// Arc lengths are those of the network in the frame.
+  bool is_round() const override { return surface_->is_round(); }
+  /// Arc lengths are those of the network outside the frame.
   std::shared_ptr<const ImplicitSurface> part(const std::vector<Stretch>& stretches) const override {
-    return std::make_shared<MovedSurface>(surface_->part(stretches), frame_);
+    std::vector<Stretch> inside = stretches;
+    for (Stretch& stretch : inside) {
+      stretch.from /= frame_.scale;
+      stretch.to /= frame_.scale;
+    }
+    return std::make_shared<MovedSurface>(surface_->part(inside), frame_);
   }
 
  private:
