@@ -108,16 +108,16 @@ Vec3 CoarseCells::wall_shift(const Wall& wall, const Vec3& start, const std::vec
   return found.converged && shift.norm() <= kFurthest * wall.surface->radius(start) ? shift : Vec3::Zero();
 }
 
-std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int order) const {
+std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int order, WallShifts& known) const {
   const int n = mesh_.order + 1, m = order + 1;
-  std::array<std::vector<double>, 3> t, values;
+  Places at;
   const std::vector<double> lobatto = family_nodes(NodeFamily::gauss_lobatto, order);
   for (int d = 0; d < 3; ++d) {
     for (const double x : lobatto) {
-      t[d].push_back(cube.low[d] + cube.size * x);
+      at.t[d].push_back(cube.low[d] + cube.size * x);
     }
-    t[d].back() = cube.low[d] + cube.size;  // neighbours have this very number
-    values[d] = lagrange_values(nodes_1d_, t[d]);
+    at.t[d].back() = cube.low[d] + cube.size;  // neighbours have this very number
+    at.values[d] = lagrange_values(nodes_1d_, at.t[d]);
   }
   const int* ids = &mesh_.elements[static_cast<std::size_t>(element) * n * n * n];
   std::vector<Vec3> along_i(m * n * n), along_j(m * m * n), out(m * m * m);
@@ -125,7 +125,7 @@ std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int orde
     for (int a = 0; a < m; ++a) {
       Vec3 x = Vec3::Zero();
       for (int i = 0; i < n; ++i) {
-        x += values[0][a * n + i] * mesh_.nodes[ids[r * n + i]];
+        x += at.values[0][a * n + i] * mesh_.nodes[ids[r * n + i]];
       }
       along_i[r * m + a] = x;
     }
@@ -135,7 +135,7 @@ std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int orde
       for (int a = 0; a < m; ++a) {
         Vec3 x = Vec3::Zero();
         for (int j = 0; j < n; ++j) {
-          x += values[1][b * n + j] * along_i[(k * n + j) * m + a];
+          x += at.values[1][b * n + j] * along_i[(k * n + j) * m + a];
         }
         along_j[(k * m + b) * m + a] = x;
       }
@@ -145,15 +145,21 @@ std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int orde
     for (int ab = 0; ab < m * m; ++ab) {
       Vec3 x = Vec3::Zero();
       for (int k = 0; k < n; ++k) {
-        x += values[2][c * n + k] * along_j[k * m * m + ab];
+        x += at.values[2][c * n + k] * along_j[k * m * m + ab];
       }
       out[c * m * m + ab] = x;
     }
   }
-  if (walls_.empty() || walls_[element].face < 0) {
-    return out;
+  if (!walls_.empty() && walls_[element].face >= 0) {
+    shift_towards_wall(element, at, known, out);
   }
-  // the shift of the wall fades linearly along the lines that lead there
+  return out;
+}
+
+void CoarseCells::shift_towards_wall(int element, const Places& at, WallShifts& known,
+                                     std::vector<Vec3>& points) const {
+  const int n = mesh_.order + 1, m = static_cast<int>(at.t[0].size());
+  const int* ids = &mesh_.elements[static_cast<std::size_t>(element) * n * n * n];
   const Wall& wall = walls_[element];
   const int d = wall.face / 2;
   const bool at_end = wall.face % 2 == 1;
@@ -162,30 +168,33 @@ std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int orde
   const int wall_base = at_end ? (n - 1) * node_stride[d] : 0;
   for (int b = 0; b < m; ++b) {
     for (int a = 0; a < m; ++a) {
-      Vec3 start = Vec3::Zero();
-      for (int l = 0; l < n; ++l) {
-        Vec3 row = Vec3::Zero();
-        for (int k = 0; k < n; ++k) {
-          row += values[da][a * n + k] * mesh_.nodes[ids[wall_base + k * node_stride[da] + l * node_stride[db]]];
+      const auto [entry, is_new] = known.try_emplace({at.t[da][a], at.t[db][b]});
+      Vec3& shift = entry->second;
+      if (is_new) {
+        Vec3 start = Vec3::Zero();
+        for (int l = 0; l < n; ++l) {
+          Vec3 row = Vec3::Zero();
+          for (int k = 0; k < n; ++k) {
+            row += at.values[da][a * n + k] * mesh_.nodes[ids[wall_base + k * node_stride[da] + l * node_stride[db]]];
+          }
+          start += at.values[db][b * n + l] * row;
         }
-        start += values[db][b * n + l] * row;
-      }
-      std::vector<int> planes;
-      for (const auto& [direction, at] : {std::pair(da, t[da][a]), std::pair(db, t[db][b])}) {
-        for (int side = 0; side < 2; ++side) {
-          const int end = wall.end[2 * direction + side];
-          if (at == side && end > 0) {
-            planes.push_back(end - 1);
+        std::vector<int> planes;
+        for (const auto& [direction, place] : {std::pair(da, at.t[da][a]), std::pair(db, at.t[db][b])}) {
+          for (int side = 0; side < 2; ++side) {
+            const int end = wall.end[2 * direction + side];
+            if (place == side && end > 0) {
+              planes.push_back(end - 1);
+            }
           }
         }
+        shift = wall_shift(wall, start, planes);
       }
-      const Vec3 shift = wall_shift(wall, start, planes);
       for (int i = 0; i < m; ++i) {
-        out[a * stride[da] + b * stride[db] + i * stride[d]] += (at_end ? t[d][i] : 1 - t[d][i]) * shift;
+        points[a * stride[da] + b * stride[db] + i * stride[d]] += (at_end ? at.t[d][i] : 1 - at.t[d][i]) * shift;
       }
     }
   }
-  return out;
 }
 
 Vec3 CoarseCells::point(int element, const Vec3& reference, Eigen::Matrix3d& jacobian) const {

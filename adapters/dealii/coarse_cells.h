@@ -2,6 +2,7 @@
 /// \file Internal to dealii/: coarse cells as polynomials, and points of their descendants. Knows no deal.II.
 
 #include <array>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -28,8 +29,12 @@ class CoarseCells {
   const HexMesh& mesh() const { return mesh_; }
   const std::vector<double>& nodes_1d() const { return nodes_1d_; }
 
+  /// Projections of one element's wall that are known already, by place on the wall: cells on top of each other need
+  /// the same ones.
+  using WallShifts = std::map<std::array<double, 2>, Vec3>;
+
   /// The (order + 1)^3 Gauss-Lobatto points of a descendant, lexicographic.
-  std::vector<Vec3> points(int element, const SubCube& cube, int order) const;
+  std::vector<Vec3> points(int element, const SubCube& cube, int order, WallShifts& known) const;
 
   /// A point of the polynomial, without projection; `jacobian` receives its derivatives as columns.
   Vec3 point(int element, const Vec3& reference, Eigen::Matrix3d& jacobian) const;
@@ -41,6 +46,12 @@ class CoarseCells {
     const ImplicitSurface* surface = nullptr;
     std::array<int, 6> end{};  ///< by face: 1 + index of the end's plane; 0: no end
   };
+  /// Points along each direction, and the Lagrange polynomials there.
+  struct Places {
+    std::array<std::vector<double>, 3> t, values;
+  };
+  /// The shift of the wall onto the surface fades linearly along the lines that lead there.
+  void shift_towards_wall(int element, const Places& at, WallShifts& known, std::vector<Vec3>& points) const;
   Vec3 wall_shift(const Wall& wall, const Vec3& start, const std::vector<int>& planes) const;
 
   HexMesh mesh_;

@@ -1,6 +1,7 @@
 #include "dealii/dealii_grid.h"
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/multithread_info.h>
 #include <deal.II/distributed/fully_distributed_tria.h>
 #include <deal.II/distributed/tria.h>
 #include <deal.II/fe/fe_tools.h>
@@ -12,6 +13,7 @@
 
 #include "dealii/grid_data.h"
 #include "vasohex/core/error.h"
+#include "vasohex/core/parallel.h"
 #include "vasohex/mesh_part.h"
 
 namespace vasohex {
@@ -22,42 +24,29 @@ using CellIterator = Triangulation::cell_iterator;
 
 dealii::Point<3> to_point(const Vec3& x) { return {x.x(), x.y(), x.z()}; }
 
-/// Where a cell lies within its coarse cell. On each refinement deal.II halves the cell's own reference cube, child c
-/// at (c & 1, c >> 1 & 1, c >> 2 & 1), however the cell is turned.
-SubCube cube_of(const dealii::CellId& id) {
-  SubCube cube;
-  for (const std::uint8_t child : id.get_child_indices()) {
-    cube.size /= 2;
-    for (int d = 0; d < 3; ++d) {
-      cube.low[d] += cube.size * (child >> d & 1);
-    }
-  }
-  return cube;
-}
-
 using FullyDistributed = dealii::parallel::fullydistributed::Triangulation<3, 3>;
 
-/// Finds the element that a cell stems from.
-class ElementOf {
- public:
-  ElementOf(const DealiiGrid::Data& data, const Triangulation& triangulation)
-      : data_(data), by_id_(dynamic_cast<const FullyDistributed*>(&triangulation) != nullptr) {}
-
-  int operator()(CellIterator cell, const dealii::CellId& id) const {
-    if (by_id_) {  // each rank has a numbering of its own
-      return data_.element_of(static_cast<std::int64_t>(id.get_coarse_cell_id()));
-    }
-    // with p4est the coarse cell id is the number of a tree; the index is the one that we gave
-    while (cell->level() > 0) {
-      cell = cell->parent();
-    }
-    return cell->index();
+/// The element that a coarse cell was made of.
+int element_of(const DealiiGrid::Data& data, const CellIterator& coarse) {
+  if (dynamic_cast<const FullyDistributed*>(&coarse->get_triangulation())) {  // each rank has a numbering of its own
+    return data.element_of(static_cast<std::int64_t>(coarse->id().get_coarse_cell_id()));
   }
+  return coarse->index();  // with p4est the coarse cell id is the number of a tree; the index is the one that we gave
+}
 
- private:
-  const DealiiGrid::Data& data_;
-  bool by_id_;
-};
+/// Calls f(cell, its cube within the coarse cell) for a cell and all its descendants. On each refinement deal.II
+/// halves the cell's own reference cube, child c at (c & 1, c >> 1 & 1, c >> 2 & 1), however the cell is turned.
+template <class F>
+void for_descendants(const CellIterator& cell, const SubCube& cube, const F& f) {
+  f(cell, cube);
+  for (unsigned int c = 0; cell->has_children() && c < 8; ++c) {
+    SubCube child{cube.low, cube.size / 2};
+    for (int d = 0; d < 3; ++d) {
+      child.low[d] += child.size * (c >> d & 1);
+    }
+    for_descendants(cell->child(c), child, f);
+  }
+}
 
 }  // namespace
 
@@ -102,10 +91,9 @@ void DealiiGrid::create(Triangulation& triangulation) const {
   }
   // The rest is set here, since a list of boundary quadrangles would have to be found by their vertices again.
   const HexMesh& mesh = data_->cells.mesh();
-  const ElementOf element_of(*data_, triangulation);
   std::vector<CellIterator> cells(mesh.element_count());
   for (const CellIterator& cell : triangulation.cell_iterators_on_level(0)) {
-    cells[element_of(cell, cell->id())] = cell;
+    cells[element_of(*data_, cell)] = cell;
   }
   for (const HexMesh::BoundaryFace& face : mesh.boundary) {
     if (cells[face.element].state() == dealii::IteratorState::valid) {
@@ -115,36 +103,41 @@ void DealiiGrid::create(Triangulation& triangulation) const {
 }
 
 void DealiiGrid::map(Triangulation& triangulation, dealii::MappingQCache<3, 3>& mapping) const {
-  const ElementOf element_of(*data_, triangulation);
-  std::vector<char> moved(triangulation.n_vertices(), 0);
-  for (const CellIterator& cell : triangulation.cell_iterators()) {
-    bool all_moved = true;
-    for (unsigned int v = 0; v < 8; ++v) {
-      all_moved = all_moved && moved[cell->vertex_index(v)];
-    }
-    if (all_moved) {
-      continue;
-    }
-    const dealii::CellId id = cell->id();
-    const std::vector<Vec3> corners = data_->cells.points(element_of(cell, id), cube_of(id), 1);
-    for (unsigned int v = 0; v < 8; ++v) {
-      cell->vertex(v) = to_point(corners[v]);
-      moved[cell->vertex_index(v)] = 1;
-    }
-  }
-  triangulation.signals.mesh_movement();
   const int order = static_cast<int>(mapping.get_degree());
   const std::vector<unsigned int> lexicographic =
       dealii::FETools::hierarchic_to_lexicographic_numbering<3>(mapping.get_degree());
-  mapping.initialize(triangulation, [&](const CellIterator& cell) {
-    const dealii::CellId id = cell->id();
-    const std::vector<Vec3> x = data_->cells.points(element_of(cell, id), cube_of(id), order);
-    std::vector<dealii::Point<3>> points(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      points[i] = to_point(x[lexicographic[i]]);
+  std::vector<std::vector<std::vector<dealii::Point<3>>>> points(triangulation.n_levels());
+  for (unsigned int level = 0; level < points.size(); ++level) {
+    points[level].resize(triangulation.n_raw_cells(level));
+  }
+  std::vector<CellIterator> coarse;
+  for (const CellIterator& cell : triangulation.cell_iterators_on_level(0)) {
+    coarse.push_back(cell);
+  }
+  Run run;
+  run.threads = static_cast<int>(dealii::MultithreadInfo::n_threads());
+  parallel_for(run, coarse.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int element = element_of(*data_, coarse[i]);
+      CoarseCells::WallShifts known;
+      for_descendants(coarse[i], {}, [&](const CellIterator& cell, const SubCube& cube) {
+        const std::vector<Vec3> x = data_->cells.points(element, cube, order, known);
+        std::vector<dealii::Point<3>>& out = points[cell->level()][cell->index()];
+        out.resize(x.size());
+        for (std::size_t n = 0; n < x.size(); ++n) {
+          out[n] = to_point(x[lexicographic[n]]);
+        }
+      });
     }
-    return points;
   });
+  for (const CellIterator& cell : triangulation.cell_iterators()) {
+    for (unsigned int v = 0; v < 8; ++v) {
+      cell->vertex(v) = points[cell->level()][cell->index()][v];
+    }
+  }
+  triangulation.signals.mesh_movement();
+  mapping.initialize(triangulation,
+                     [&](const CellIterator& cell) { return std::move(points[cell->level()][cell->index()]); });
 }
 
 }  // namespace vasohex
