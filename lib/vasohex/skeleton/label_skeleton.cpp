@@ -90,6 +90,38 @@ Vec3 tangent_at(const std::vector<Vec3>& points, std::size_t k) {
   return (points[b] - points[a]).normalized();
 }
 
+/// Radii where `measured`, in between by interpolation, all averaged (as areas) over some points: the wall of a thin
+/// vessel waves with the voxels.
+void smooth_radii(const std::vector<bool>& measured, double otherwise, std::vector<double>& radii) {
+  constexpr int passes = 6;
+  std::vector<std::size_t> known;
+  for (std::size_t k = 0; k < radii.size(); ++k) {
+    if (measured[k]) {
+      known.push_back(k);
+    }
+  }
+  if (known.empty()) {
+    std::fill(radii.begin(), radii.end(), otherwise);
+    return;
+  }
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < radii.size(); ++k) {
+    while (next < known.size() && known[next] < k) {
+      ++next;
+    }
+    const std::size_t b = known[std::min(next, known.size() - 1)], a = next > 0 ? known[next - 1] : b;
+    const double t = b > a ? std::clamp((static_cast<double>(k) - a) / static_cast<double>(b - a), 0.0, 1.0) : 0;
+    radii[k] = (1 - t) * radii[a] + t * radii[b];
+  }
+  for (int pass = 0; pass < passes; ++pass) {
+    std::vector<double> before = radii;
+    for (std::size_t k = 0; k < radii.size(); ++k) {
+      const double left = before[k > 0 ? k - 1 : 0], right = before[std::min(k + 1, radii.size() - 1)];
+      radii[k] = std::sqrt(0.25 * left * left + 0.5 * before[k] * before[k] + 0.25 * right * right);
+    }
+  }
+}
+
 /// Moves points to the middle of their sections. In the balls of junctions, where a section has no middle, the line
 /// runs straight to the node.
 void centre(const LevelSet& level_set, const std::vector<Node>& nodes, Line& line) {
@@ -116,10 +148,13 @@ void centre(const LevelSet& level_set, const std::vector<Node>& nodes, Line& lin
       line.points[k] = (1 - t) * line.points[from] + t * line.points[to];
     }
   };
-  if (first_free > last_free || first_free > last) {  // inside the balls of junctions
-    for (std::size_t k = 1; k < last; ++k) {
-      line.radii[k] = std::max(depth_at(level_set, line.points[k]), 0.25 * voxel);
+  std::vector<bool> measured(line.points.size(), false), whole = measured;
+  if (first_free > last_free || first_free > last) {  // all in the balls that fill junctions
+    for (std::size_t k = 0; k <= last; ++k) {
+      line.radii[k] = inscribed_radius(level_set, line.points[k], 2 * line.radii[k] + voxel);
+      measured[k] = line.radii[k] > 0;
     }
+    smooth_radii(measured, 0.5 * voxel, line.radii);
     return;
   }
   for (int pass = 0; pass <= kCentrings; ++pass) {
@@ -130,6 +165,8 @@ void centre(const LevelSet& level_set, const std::vector<Node>& nodes, Line& lin
       }
       const Vec3 tangent = tangent_at(line.points, k);
       const auto section = measure_section(level_set, line.points[k], tangent, 3 * line.radii[k] + voxel);
+      measured[k] = section.has_value();
+      whole[k] = section && !section->open;
       if (!section) {
         moved[k] = deepest_near(level_set, line.points[k], 0.25 * voxel, 2 * voxel);
         continue;
@@ -151,10 +188,15 @@ void centre(const LevelSet& level_set, const std::vector<Node>& nodes, Line& lin
       straight(last_free, last);
     }
   }
-  for (std::size_t k = 1; k < last; ++k) {
-    if (bound[k]) {
-      line.radii[k] = std::max(depth_at(level_set, line.points[k]), 0.25 * voxel);
-    }
+  // a branch has its own radius up to the node; where another one is open to it, it cannot be measured
+  const bool any_whole = std::find(whole.begin(), whole.end(), true) != whole.end();
+  smooth_radii(any_whole ? whole : measured, 0.5 * voxel, line.radii);
+  // centres of thin sections are as uncertain as the voxels are large
+  std::vector<Vec3> smoother = line.points;
+  smooth(smoother, 3);
+  for (std::size_t k = 0; k <= last; ++k) {
+    const double share = std::clamp(3 - line.radii[k] / voxel, 0.0, 1.0);
+    line.points[k] += share * (smoother[k] - line.points[k]);
   }
 }
 
@@ -166,10 +208,7 @@ SurfaceEnd cut_end(const LevelSet& level_set, Line& line) {
   std::vector<double> radii(line.radii.begin() + static_cast<std::ptrdiff_t>(line.radii.size() / 2), line.radii.end());
   std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2), radii.end());
   double radius = radii[radii.size() / 2];
-  for (int round = 0; round < 2; ++round) {
-    const double s = std::max(length - 1.5 * radius, 0.5 * length);
-    radius = place_at(line, arc, s).radius;
-  }
+  radius = place_at(line, arc, std::max(length - 2 * radius, 0.5 * length)).radius;
   const double near = std::max(length - radius, 0.5 * length), far = std::max(near - 1.5 * radius, 0.0);
   const Vec3 from = place_at(line, arc, near).position;
   const Vec3 normal = (from - place_at(line, arc, far).position).normalized();
@@ -198,6 +237,24 @@ SurfaceEnd cut_end(const LevelSet& level_set, Line& line) {
     line.radii.push_back(section ? section->radius : cut_radius);
   }
   return {line.points.back(), normal, cut_radius};
+}
+
+int cycles_of(const VoxelGraph& graph) {
+  std::vector<int> up(graph.nodes.size());
+  std::iota(up.begin(), up.end(), 0);
+  const auto top = [&](int i) {
+    while (up[i] != i) {
+      i = up[i] = up[up[i]];
+    }
+    return i;
+  };
+  int cycles = 0;
+  for (const VoxelChain& chain : graph.chains) {
+    const int a = top(chain.nodes[0]), b = top(chain.nodes[1]);
+    cycles += a == b;
+    up[a] = b;
+  }
+  return cycles;
 }
 
 Line line_of(const LabelVolume& volume, const std::vector<float>& distances, const VoxelChain& chain) {
@@ -264,24 +321,27 @@ LabelSkeleton extract_skeleton(const LabelVolume& given, const LabelSkeletonOpti
   for (const VoxelChain& chain : graph.chains) {
     lines.push_back(line_of(volume, distances, chain));
   }
+  std::vector<double> depth;
+  for (const std::size_t v : graph.nodes) {
+    depth.push_back(-distances[v]);
+  }
   result.level_set = std::make_shared<const LevelSet>(make_level_set(volume, std::move(distances), axis, {}, run));
   const LevelSet& level_set = *result.level_set;
 
   const double voxel = volume.spacing.mean();
   std::vector<Node> nodes;
-  for (const std::size_t v : graph.nodes) {
-    nodes.push_back({volume.centre(v), 0, 0});
+  for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
+    nodes.push_back({volume.centre(graph.nodes[n]), depth[n], 0});
   }
   for (const Line& line : lines) {
     ++nodes[line.nodes[0]].degree;
     ++nodes[line.nodes[1]].degree;
   }
   for (Node& node : nodes) {
-    const double depth = std::max(depth_at(level_set, node.position), 0.25 * voxel);
     if (node.degree > 2) {
-      node.position = deepest_near(level_set, node.position, 0.25 * voxel, std::max(voxel, 0.5 * depth));
+      node.position = deepest_near(level_set, node.position, 0.25 * voxel, std::max(voxel, 0.5 * node.radius));
     }
-    node.radius = std::max(depth_at(level_set, node.position), 0.25 * voxel);
+    node.radius = std::max(inscribed_radius(level_set, node.position, 2 * node.radius + voxel), 0.25 * voxel);
   }
   std::vector<std::vector<SurfaceEnd>> ends(lines.size());
   parallel_for(run, lines.size(), 4, [&](std::size_t begin, std::size_t end) {
@@ -320,8 +380,8 @@ LabelSkeleton extract_skeleton(const LabelVolume& given, const LabelSkeletonOpti
       }
     }
   }
-  if (graph.closed_holes > 0) {
-    result.repairs.push_back(std::to_string(graph.closed_holes) + " holes of about one voxel have no cycle");
+  if (const int closed = result.tunnels - cycles_of(graph); closed > 0) {
+    result.repairs.push_back(std::to_string(closed) + " holes of about one voxel have no cycle");
   }
   result.skeleton.units = volume.units;
   return result;

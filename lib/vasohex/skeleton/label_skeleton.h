@@ -35,8 +35,8 @@ struct LabelSkeleton {
 
 /// The middle lines of the vessels in a segmentation, by thinning without a change of topology towards the tips of
 /// vessels, so that holes of the lumen are cycles and nothing else is. Points are about a voxel to half a radius
-/// apart, in the middle of the smooth wall's cross-sections; radii are those of discs of the same area, in junctions
-/// those of inscribed balls.
+/// apart, in the middle of the smooth wall's cross-sections; radii are those of discs of the same area. In a junction
+/// branches have their own radii up to the node, which has that of the ball inscribed there.
 /// Throws Error (bad_input) as check(LabelVolume) and if no vessel is found.
 LabelSkeleton extract_skeleton(const LabelVolume& volume, const LabelSkeletonOptions& options = {},
                                const Run& run = {});

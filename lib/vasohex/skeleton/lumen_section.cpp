@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace vasohex {
@@ -35,11 +34,6 @@ double ray_length(const LevelSet& level_set, const Vec3& x, const Vec3& directio
 }
 
 }  // namespace
-
-double depth_at(const LevelSet& level_set, const Vec3& x) {
-  double value;
-  return level_set.value(x, value, nullptr) ? -value : -std::numeric_limits<double>::infinity();
-}
 
 std::optional<LumenSection> measure_section(const LevelSet& level_set, const Vec3& x, const Vec3& normal,
                                             double longest) {
@@ -74,24 +68,39 @@ std::optional<LumenSection> measure_section(const LevelSet& level_set, const Vec
 }
 
 Vec3 deepest_near(const LevelSet& level_set, const Vec3& x, double step, double longest) {
-  Vec3 best = x;
-  double depth = depth_at(level_set, x);
-  for (double s = step; s > 0.1 * step;) {
-    double value;
-    Vec3 gradient;
-    if (!level_set.value(best, value, &gradient) || !(gradient.norm() > 0)) {
-      break;
-    }
+  Vec3 best = x, gradient;
+  double lowest;
+  if (!level_set.value(x, lowest, &gradient)) {
+    return x;
+  }
+  for (double s = step; s > 0.1 * step && gradient.norm() > 0;) {
     const Vec3 trial = best - s * gradient.normalized();
-    const double there = depth_at(level_set, trial);
-    if (there > depth && (trial - x).norm() <= longest) {
+    Vec3 slope;
+    double value;
+    if ((trial - x).norm() <= longest && level_set.value(trial, value, &slope) && value < lowest) {
       best = trial;
-      depth = there;
+      lowest = value;
+      gradient = slope;
     } else {
       s *= 0.5;
     }
   }
   return best;
+}
+
+double inscribed_radius(const LevelSet& level_set, const Vec3& x, double longest) {
+  double value;
+  if (!level_set.value(x, value, nullptr) || value >= 0) {
+    return 0;
+  }
+  double radius = longest;
+  for (int n = 0; n < 27; ++n) {
+    if (n != 13) {
+      const Vec3 direction = Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).normalized();
+      radius = std::min(radius, ray_length(level_set, x, direction, value, radius));
+    }
+  }
+  return radius;
 }
 
 }  // namespace vasohex

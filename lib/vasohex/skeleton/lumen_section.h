@@ -22,10 +22,11 @@ struct LumenSection {
 std::optional<LumenSection> measure_section(const LevelSet& level_set, const Vec3& x, const Vec3& normal,
                                             double longest);
 
-/// The place near x, at most `longest` away, where the wall is farthest: uphill in steps of `step`.
+/// A place near x, at most `longest` away, from which the level set does not fall further: on the middle line or, where
+/// vessels meet, in the middle. Steps of `step`.
 Vec3 deepest_near(const LevelSet& level_set, const Vec3& x, double step, double longest);
 
-/// Distance to the wall at x, > 0 inside; nothing where the level set is not.
-double depth_at(const LevelSet& level_set, const Vec3& x);
+/// Radius of the ball around x in the lumen, by rays to all sides; 0 if x is not inside. At most `longest`.
+double inscribed_radius(const LevelSet& level_set, const Vec3& x, double longest);
 
 }  // namespace vasohex

@@ -56,7 +56,7 @@ std::vector<int> degrees(const VoxelGraph& graph) {
   return degree;
 }
 
-/// How far a chain sticks out of the ball around its node at `side`, in its own radii; infinite if it has no free end.
+/// How far a chain sticks out of the ball around its node, and its own radius out there.
 struct Spur {
   double beyond = 0;  ///< length
   double radius = 0;
@@ -115,7 +115,6 @@ void simplify(VoxelGraph& graph) {
     std::replace(chains_at[second.nodes[1]].begin(), chains_at[second.nodes[1]].end(), b, a);
   }
   VoxelGraph result;
-  result.closed_holes = graph.closed_holes;
   std::vector<int> number(graph.nodes.size(), -1);
   for (std::size_t c = 0; c < graph.chains.size(); ++c) {
     if (gone[c]) {
@@ -210,7 +209,6 @@ VoxelGraph voxel_graph(const LabelVolume& volume, const std::vector<std::size_t>
   for (VoxelChain& chain : graph.chains) {
     const std::size_t first = graph.nodes[chain.nodes[0]], last = graph.nodes[chain.nodes[1]];
     if (chain.nodes[0] == chain.nodes[1] && chain.voxels.size() < 5) {
-      ++graph.closed_holes;
       continue;
     }
     if (chain.voxels.front() != first) {

@@ -19,12 +19,11 @@ struct VoxelChain {
 struct VoxelGraph {
   std::vector<std::size_t> nodes;  ///< the voxel each lies in
   std::vector<VoxelChain> chains;
-  int closed_holes = 0;  ///< cycles around one voxel or less, which were left out
 };
 
 /// The graph of lines of voxels (see thin), ascending. Voxels with one neighbour are ends; those with more than two,
 /// taken together where they touch, are junctions, placed at the voxel nearest to their middle; a ring has one node.
-/// Chains between the same two junctions that touch each other all along are one.
+/// Cycles that lie within one junction, around about one voxel, are lost.
 VoxelGraph voxel_graph(const LabelVolume& volume, const std::vector<std::size_t>& voxels);
 
 /// Leaves out chains with a free end that stick out of the lumen around their other end by less than `least_radii` of

@@ -111,7 +111,9 @@ double distance_to_line(const Vec3& x, const Vec3& a, const Vec3& b) {
 /// Lowers the bounds such that tubes of `radius` along the axis are inside.
 void keep_axis(const LabelVolume& volume, const std::vector<std::array<std::size_t, 2>>& axis, double radius,
                const std::vector<int>& node_at, std::vector<Bounds>& bounds) {
-  const auto place = [&](const std::array<int, 3>& v) { return volume.spacing.cwiseProduct(Vec3(v[0], v[1], v[2])); };
+  const auto place = [&](const std::array<int, 3>& v) -> Vec3 {
+    return volume.spacing.cwiseProduct(Vec3(v[0], v[1], v[2]));
+  };
   for (const auto& [first, second] : axis) {
     const std::array<int, 3> a = volume.voxel(first), b = volume.voxel(second);
     for (int k = std::min(a[2], b[2]) - 1; k <= std::max(a[2], b[2]) + 1; ++k) {
@@ -165,50 +167,70 @@ void minimise(ThinPlate& plate, const std::vector<Bounds>& bounds, int iteration
   run.progress("level set", 1);
 }
 
-/// Coefficients of the cubic spline that is the given values, up to fourth order: 1 - (second difference) / 6 along
-/// each axis. Local, and it damps what the lattice can hardly hold.
+/// A block of values on kRead^3 nodes.
+constexpr int kRead = LevelSet::kStored + 6;  // what the coefficients of a brick depend on
+using Block = std::vector<double>;
+
+/// Replaces values by centre * value + side * (sum of the two neighbours) along each axis; the outermost stay.
+void filter(Block& block, double centre, double side, Block& buffer) {
+  for (const int stride : {1, kRead, kRead * kRead}) {
+    for (int n = 0; n < static_cast<int>(block.size()); ++n) {
+      const int along = n / stride % kRead;
+      const bool inner = along > 0 && along + 1 < kRead;
+      buffer[n] = inner ? centre * block[n] + side * (block[n - stride] + block[n + stride]) : block[n];
+    }
+    block.swap(buffer);
+  }
+}
+
+/// Coefficients of a cubic spline that is the given values, up to eighth order: 1 - (second difference) / 6 along each
+/// axis is the inverse of the spline's values up to fourth order, applied twice. Local, and it damps what the lattice
+/// can hardly hold.
 void add_bricks(const LabelVolume& volume, const std::vector<float>& values, double reach, LevelSet& level_set) {
-  constexpr int edge = LevelSet::kEdge, stored = LevelSet::kStored, read = stored + 2;
+  constexpr int edge = LevelSet::kEdge, stored = LevelSet::kStored, before = (kRead - stored) / 2;
   const std::array<int, 3> counts = level_set.brick_counts();
-  const auto clamped = [&](int i, int d) { return std::clamp(i, 0, volume.size[d] - 1); };
-  std::vector<double> a(read * read * read), b(a.size());
+  const auto value_at = [&](int i, int j, int k) {
+    return values[volume.index(std::clamp(i, 0, volume.size[0] - 1), std::clamp(j, 0, volume.size[1] - 1),
+                               std::clamp(k, 0, volume.size[2] - 1))];
+  };
+  // visit(n, value) for the nodes of a box that begins at a node
+  const auto for_nodes = [&](const std::array<int, 3>& first, int count, auto&& visit) {
+    int n = 0;
+    for (int k = 0; k < count; ++k) {
+      for (int j = 0; j < count; ++j) {
+        for (int i = 0; i < count; ++i) {
+          visit(n++, value_at(first[0] + i, first[1] + j, first[2] + k));
+        }
+      }
+    }
+  };
+  Block given(kRead * kRead * kRead), once(given.size()), rest(given.size()), buffer(given.size());
   std::array<float, LevelSet::kBrickSize> coefficients;
   for (int z = 0; z < counts[2]; ++z) {
     for (int y = 0; y < counts[1]; ++y) {
       for (int x = 0; x < counts[0]; ++x) {
+        const std::array<int, 3> first{x * edge, y * edge, z * edge};
         bool near = false;
-        for (int k = 0; k <= edge && !near; ++k) {
-          for (int j = 0; j <= edge && !near; ++j) {
-            for (int i = 0; i <= edge && !near; ++i) {
-              near = values[volume.index(clamped(x * edge + i, 0), clamped(y * edge + j, 1),
-                                         clamped(z * edge + k, 2))] <= reach;
-            }
-          }
-        }
+        for_nodes(first, edge + 1, [&](int, float value) { near |= value <= reach; });
         if (!near) {
           continue;
         }
-        for (int k = 0; k < read; ++k) {
-          for (int j = 0; j < read; ++j) {
-            for (int i = 0; i < read; ++i) {
-              a[i + read * (j + read * k)] = values[volume.index(
-                  clamped(x * edge + i - 2, 0), clamped(y * edge + j - 2, 1), clamped(z * edge + k - 2, 2))];
-            }
-          }
+        const int back = before + 1;  // the first coefficient is one node before the brick's first cell
+        for_nodes({first[0] - back, first[1] - back, first[2] - back}, kRead,
+                  [&](int n, float value) { given[n] = value; });
+        once = given;
+        filter(once, 4.0 / 3, -1.0 / 6, buffer);
+        rest = once;
+        filter(rest, 2.0 / 3, 1.0 / 6, buffer);
+        for (std::size_t n = 0; n < rest.size(); ++n) {
+          rest[n] = given[n] - rest[n];
         }
-        for (const int stride : {1, read, read * read}) {
-          for (int n = 0; n < static_cast<int>(a.size()); ++n) {
-            const int along = n / stride % read;
-            const bool inner = along > 0 && along + 1 < read;
-            b[n] = inner ? a[n] - (a[n - stride] - 2 * a[n] + a[n + stride]) / 6 : a[n];
-          }
-          a.swap(b);
-        }
+        filter(rest, 4.0 / 3, -1.0 / 6, buffer);
         for (int k = 0; k < stored; ++k) {
           for (int j = 0; j < stored; ++j) {
             for (int i = 0; i < stored; ++i) {
-              coefficients[i + stored * (j + stored * k)] =
-                  static_cast<float>(a[i + 1 + read * (j + 1 + read * (k + 1))]);
+              const int n = i + before + kRead * (j + before + kRead * (k + before));
+              coefficients[i + stored * (j + stored * k)] = static_cast<float>(once[n] + rest[n]);
             }
           }
         }

@@ -17,7 +17,7 @@ inline constexpr int kLevelSetMargin = 8;
 struct SmoothLabelsOptions {
   int iterations = 300;
   double margin = 0.1;      ///< least distance of a voxel's centre from the wall, of the smallest spacing
-  double thin_axis = 0.55;  ///< least radius around `axis`, of the mean spacing
+  double thin_axis = 0.2;   ///< least radius around `axis`, of the mean spacing
 };
 
 /// The smoothest function that has the right sign at the centre of every voxel: the least integral of the squared
