@@ -3,7 +3,7 @@
 
 #include "commands.h"
 #include "findings.h"
-#include "mesh_options.h"
+#include "input.h"
 #include "option_checks.h"
 #include "report.h"
 #include "vasohex/block_file.h"
@@ -13,7 +13,7 @@ namespace vasohex::cli {
 namespace {
 
 struct BlocksCommand {
-  SkeletonInput input;
+  Input input;
   SkeletonMeshOptions options;
   std::vector<std::string> outputs;
 };
@@ -28,13 +28,13 @@ void run_blocks(BlocksCommand& c, Common& common) {
       usage("output " + output + ": unknown extension '" + ext + "', use .vtu or .json");
     }
   }
-  check_outputs(c.input.path, c.outputs);
+  check_outputs(c.input.files(), c.outputs);
   const Run run = common.run();
-  const Skeleton skeleton = c.input.read(c.options.network);
+  const Loaded loaded = load(c.input, run);
   // one element of the blocks' own degree each: what a viewer can show of them
   c.options.grading.elements = 1;
   c.options.mesh.order = 4;
-  const SkeletonMesh m = with_context(c.input.path, [&] { return mesh_skeleton(skeleton, c.options, run); });
+  const SkeletonMesh m = mesh(c.input, loaded, c.options, run);
   common.end_progress();
   if (!common.quiet) {
     std::fprintf(stderr, "%s", findings_summary(m.findings, c.options.repair).c_str());
@@ -84,7 +84,7 @@ void add_blocks_command(CLI::App& app, Common& common) {
   c->input.add_to(*command);
   command->add_option("-o,--output", c->outputs,
                       "Block file: .vtu (to look at) or .json; may be given several times");
-  SkeletonInput::add_repair(*command, c->options);
+  Input::add_repair(*command, c->options);
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
       ->check(positive_number())
       ->capture_default_str();

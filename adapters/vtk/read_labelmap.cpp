@@ -3,83 +3,28 @@
 #include <vtkDataArray.h>
 #include <vtkImageAlgorithm.h>
 #include <vtkImageData.h>
-#include <vtkLogger.h>
 #include <vtkMatrix3x3.h>
 #include <vtkMatrix4x4.h>
 #include <vtkMetaImageReader.h>
 #include <vtkNIFTIImageHeader.h>
 #include <vtkNIFTIImageReader.h>
 #include <vtkNew.h>
-#include <vtkObjectFactory.h>
-#include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkSmartPointer.h>
 #include <vtkXMLImageDataReader.h>
 
 #include <cmath>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 
 #include "vasohex/core/error.h"
 #include "vtk/labels.h"
+#include "vtk/silence.h"
 
 namespace vasohex {
 namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::bad_input, what); }
-
-/// Keeps VTK's messages instead of printing them.
-class MessageKeeper : public vtkOutputWindow {
- public:
-  static MessageKeeper* New();
-  vtkTypeMacro(MessageKeeper, vtkOutputWindow);
-  void DisplayText(const char* text) override { text_ += text; }
-  void DisplayErrorText(const char* text) override { text_ += text; }
-  void DisplayWarningText(const char* text) override { text_ += text; }
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-vtkStandardNewMacro(MessageKeeper);
-
-/// While it lives, nothing that VTK and its helpers print is seen.
-class Silence {
- public:
-  Silence()
-      : window_(vtkOutputWindow::GetInstance()), cerr_(std::cerr.rdbuf(printed_.rdbuf())),
-        cout_(std::cout.rdbuf(printed_.rdbuf())) {
-    vtkOutputWindow::SetInstance(keeper_);
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
-  }
-  ~Silence() {
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_INFO);
-    vtkOutputWindow::SetInstance(window_);
-    std::cout.rdbuf(cout_);
-    std::cerr.rdbuf(cerr_);
-  }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
-
-  bool complained() const { return keeper_->text().find("ERROR") != std::string::npos || !printed_.str().empty(); }
-  /// The first complaint, one line, without the names of sources and addresses.
-  std::string complaint() const {
-    std::string text = keeper_->text().empty() ? printed_.str() : keeper_->text();
-    if (const std::size_t address = text.find("): "); address != std::string::npos) {
-      text = text.substr(address + 3);
-    }
-    text = text.substr(0, text.find('\n'));
-    return text;
-  }
-
- private:
-  std::ostringstream printed_;
-  vtkNew<MessageKeeper> keeper_;
-  vtkSmartPointer<vtkOutputWindow> window_;
-  std::streambuf* cerr_;
-  std::streambuf* cout_;
-};
 
 VoxelType type_of(vtkDataArray& voxels) {
   const auto integer = [&](VoxelType plain, VoxelType positive, double least) { return least < 0 ? plain : positive; };

@@ -197,7 +197,7 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
   std::vector<std::array<double, 2>> cap(network.branches.size(), {0, 0});
   for (int n = 0; n < static_cast<int>(network.nodes.size()); ++n) {
     const NetworkNode& node = network.nodes[n];
-    if (node.seam || node.degree < 2) {
+    if (node.seam || (node.degree < 2 && !node.blind)) {
       continue;
     }
     hub_of_node[n] = static_cast<int>(hubs.size());
@@ -217,7 +217,8 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
     for (std::size_t a = 0; a < ends[n].size(); ++a) {
       Arm& arm = hub.arms[a];
       const Branch& branch = network.branches[arm.branch];
-      const bool leads_to_end = network.nodes[branch.nodes[1 - arm.end]].degree == 1;
+      const NetworkNode& other_end = network.nodes[branch.nodes[1 - arm.end]];
+      const bool leads_to_end = other_end.degree == 1 && !other_end.blind;
       arm.cap = distance[a];
       // the formula knows straight tubes only: move on until the surface is a tube
       for (int step = 0; step < 12 && arm.cap < branch.length(); ++step) {
