@@ -86,12 +86,18 @@ inline Skeleton both(Skeleton a, const Skeleton& b, const Vec3& shift) {
   return a;
 }
 
+/// From the origin, where the radius is 1, to point 1.
+inline Skeleton piece(const Vec3& to, double radius) {
+  Skeleton s;
+  s.points = {Vec3(0, 0, 0), to};
+  s.radii = {1, radius};
+  s.segments = {{0, 1}};
+  return s;
+}
+
 /// A chain of two junctions `gap` apart, four arms in different planes.
 inline Skeleton linked(double gap) {
-  Skeleton s;
-  s.points = {Vec3(0, 0, 0), Vec3(gap, 0, 0)};
-  s.radii = {1, 1};
-  s.segments = {{0, 1}};
+  Skeleton s = piece({gap, 0, 0}, 1);
   const auto arm = [&](int from, const Vec3& direction, double radius) {
     int before = from;
     const Vec3 start = s.points[from];
@@ -174,10 +180,7 @@ inline Skeleton fork(double angle, double left, double right, double lift) {
 /// Two junctions `gap` apart along x, each with two arms of radius 1, 60 degrees off the axis, in planes that are
 /// `twist` degrees apart.
 inline Skeleton dumbbell(double gap, double twist) {
-  Skeleton s;
-  s.points = {Vec3(0, 0, 0), Vec3(gap, 0, 0)};
-  s.radii = {1, 1};
-  s.segments = {{0, 1}};
+  Skeleton s = piece({gap, 0, 0}, 1);
   const double t = twist * std::numbers::pi / 180;
   const Vec3 y = Vec3::UnitY(), turned(0, std::cos(t), std::sin(t));
   for (const double side : {1.0, -1.0}) {
@@ -190,10 +193,7 @@ inline Skeleton dumbbell(double gap, double twist) {
 /// A vessel of radius 1 along x with two side branches of radius .6, `gap` apart and `twist` degrees about the
 /// vessel; both lean outward by 27 degrees.
 inline Skeleton two_side_branches(double gap, double twist) {
-  Skeleton s;
-  s.points = {Vec3(0, 0, 0), Vec3(gap, 0, 0)};
-  s.radii = {1, 1};
-  s.segments = {{0, 1}};
+  Skeleton s = piece({gap, 0, 0}, 1);
   const double t = twist * std::numbers::pi / 180;
   add_arm(s, 0, {-1, 0, 0}, 1, 7);
   add_arm(s, 1, {1, 0, 0}, 1, 7);
@@ -205,10 +205,7 @@ inline Skeleton two_side_branches(double gap, double twist) {
 /// A vessel of radius 1 along x whose side branch along y, radius .55, divides after `length` into two of radius .4,
 /// 45 degrees to each side, in a plane `twist` degrees about y.
 inline Skeleton forked_stub(double length, double twist) {
-  Skeleton s;
-  s.points = {Vec3(0, 0, 0), Vec3(0, length, 0)};
-  s.radii = {1, 0.55};
-  s.segments = {{0, 1}};
+  Skeleton s = piece({0, length, 0}, 0.55);
   const double t = twist * std::numbers::pi / 180;
   const Vec3 aside(std::cos(t), 0, std::sin(t));
   for (const double side : {1.0, -1.0}) {

@@ -239,7 +239,8 @@ TEST(Mesh, MovesAndScalesWithItsSkeleton) {
           .toRotationMatrix();
   for (const Skeleton& skeleton : {gallery::linked(6), gallery::linked(1.2), gallery::random_star(4, 1, 30),
                                    gallery::ring_with_arms(), gallery::torus(4, 1)}) {
-    const HexMesh plain = mesh_skeleton(skeleton, with(2, 2)).result.mesh;
+    const SkeletonMesh made = mesh_skeleton(skeleton, with(2, 2));
+    const HexMesh& plain = made.result.mesh;
     for (const double scale : {1.0, 1e-6, 1e3}) {
       Skeleton moved = skeleton;
       const Vec3 shift(3, -5, 7);
@@ -249,13 +250,20 @@ TEST(Mesh, MovesAndScalesWithItsSkeleton) {
       for (double& r : moved.radii) {
         r *= scale;
       }
-      const HexMesh mesh = mesh_skeleton(moved, with(2, 2)).result.mesh;
+      const SkeletonMesh again = mesh_skeleton(moved, with(2, 2));
+      const HexMesh& mesh = again.result.mesh;
       ASSERT_EQ(mesh.elements, plain.elements);
       double most = 0;
       for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
         most = std::max(most, (mesh.nodes[i] / scale - (rotation * plain.nodes[i] + shift)).norm());
       }
       EXPECT_LT(most, 1e-11) << "scale " << scale;
+      ASSERT_EQ(again.blocks.regions.size(), made.blocks.regions.size());
+      for (std::size_t r = 0; r < made.blocks.regions.size(); ++r) {
+        EXPECT_NEAR(again.blocks.regions[r].front().to / scale, made.blocks.regions[r].front().to, 1e-9);
+        EXPECT_LE(made.blocks.regions[r].front().to,
+                  made.network.branches[made.blocks.regions[r].front().branch].length() * (1 + 1e-9));
+      }
     }
   }
 }

@@ -4,19 +4,58 @@
 
 #include "vasohex/skeleton/own_frame.h"
 #include "vasohex/skeleton/repair.h"
+#include "vasohex/skeleton/tie_ends.h"
 #include "vasohex/surface/moved_surface.h"
 
 namespace vasohex {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Blocks and mesh of a network that lies in `frame`, and their way out of it.
+void mesh_network(const Network& network, const OwnFrame& frame, const ImplicitSurface& surface,
+                  const SkeletonMeshOptions& options, const Run& run, SkeletonMesh& out) {
+  const Clock::time_point start = Clock::now();
+  BlockOptions block_options = options.blocks;
+  const Grading& g = options.grading;
+  const bool equal_parts = !g.radial && !g.axial && !g.core && !g.layers && g.requests.empty();
+  if (block_options.mesh.order == 0 && equal_parts) {
+    block_options.mesh = {options.mesh.order, g.elements};
+  }
+  out.blocks = build_blocks(network, surface, block_options, run);
+  out.seconds["blocks"] = seconds_since(start);
+  const Clock::time_point meshing = Clock::now();
+  const BlockTopology topology = build_topology(out.blocks.vertex_count, out.blocks.blocks);
+  Grading grading = options.grading;
+  if (grading.layers && !grading.layers->relative) {
+    grading.layers->first_height /= frame.scale;
+  }
+  out.sheets = grade(out.blocks, topology, grading);
+  out.result = generate_mesh(out.blocks, topology, out.sheets, surface, options.mesh, run);
+  for (std::vector<Vec3>* nodes : {&out.blocks.nodes, &out.result.mesh.nodes}) {
+    for (Vec3& p : *nodes) {
+      p = frame.outward(p);
+    }
+  }
+  for (std::vector<Stretch>& region : out.blocks.regions) {
+    for (Stretch& stretch : region) {
+      stretch.from *= frame.scale;
+      stretch.to *= frame.scale;
+    }
+  }
+  for (SectionFrame& end : out.blocks.ends) {
+    end = {frame.outward(end.origin), frame.rotation * end.x, frame.rotation * end.y, frame.scale * end.radius};
+  }
+  out.seconds["mesh"] = seconds_since(meshing);
+}
+
+}  // namespace
 
 SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& options, const Run& run) {
-  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
   SkeletonMesh out;
-  auto before = Clock::now();
-  const auto lap = [&](const char* stage) {
-    const auto now = Clock::now();
-    out.seconds[stage] = std::chrono::duration<double>(now - before).count();
-    before = now;
-  };
   out.network = options.repair ? build_repaired_network(skeleton, options.network, run)
                                : build_network(skeleton, options.network, run);
   out.findings = diagnose(out.network);
@@ -24,33 +63,29 @@ SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& 
   // The rest is done in the network's own frame: the same to the last bit wherever the network lies.
   const OwnFrame frame = own_frame(out.network);
   const Network network = in_frame(out.network, frame);
-  std::unique_ptr<ImplicitSurface> surface = make_convolution_surface(network, options.surface, run);
-  lap("surface");
-  BlockOptions block_options = options.blocks;
-  const Grading& g = options.grading;
-  const bool equal_parts = !g.radial && !g.axial && !g.core && !g.layers && g.requests.empty();
-  if (block_options.mesh.order == 0 && equal_parts) {
-    block_options.mesh = {options.mesh.order, g.elements};
-  }
-  out.blocks = build_blocks(network, *surface, block_options, run);
-  lap("blocks");
-  const BlockTopology topology = build_topology(out.blocks.vertex_count, out.blocks.blocks);
-  Grading grading = options.grading;
-  if (grading.layers && !grading.layers->relative) {
-    grading.layers->first_height /= frame.scale;
-  }
-  out.sheets = grade(out.blocks, topology, grading);
-  out.result = generate_mesh(out.blocks, topology, out.sheets, *surface, options.mesh, run);
-  for (std::vector<Vec3>* nodes : {&out.blocks.nodes, &out.result.mesh.nodes}) {
-    for (Vec3& p : *nodes) {
-      p = frame.outward(p);
-    }
-  }
-  for (SectionFrame& end : out.blocks.ends) {
-    end = {frame.outward(end.origin), frame.rotation * end.x, frame.rotation * end.y, frame.scale * end.radius};
-  }
-  out.surface = std::make_unique<MovedSurface>(std::move(surface), frame);
-  lap("mesh");
+  const std::shared_ptr<const ImplicitSurface> surface = make_convolution_surface(network, options.surface, run);
+  out.surface = std::make_shared<MovedSurface>(surface, frame);
+  out.seconds["surface"] = seconds_since(start);
+  mesh_network(network, frame, *surface, options, run, out);
+  return out;
+}
+
+SkeletonMesh mesh_lumen(const Skeleton& skeleton, const Lumen& lumen, const SkeletonMeshOptions& options,
+                        const Run& run) {
+  const Clock::time_point start = Clock::now();
+  SkeletonMesh out;
+  Skeleton tied = skeleton;
+  std::vector<std::string> notes;
+  const std::vector<int> end_points = tie_ends(tied, lumen.ends, notes);
+  out.network = build_network(tied, options.network, run);
+  out.network.repairs.insert(out.network.repairs.begin(), notes.begin(), notes.end());
+  face_ends(out.network, lumen.ends, end_points);
+  out.findings = diagnose(out.network);
+  out.surface = lumen.surface(out.network);
+  const OwnFrame frame = own_frame(out.network);
+  const MovedSurface surface(out.surface, frame.inverse());
+  out.seconds["surface"] = seconds_since(start);
+  mesh_network(in_frame(out.network, frame), frame, surface, options, run, out);
   return out;
 }
 

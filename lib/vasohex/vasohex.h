@@ -1,6 +1,7 @@
 #pragma once
-/// \file The whole way from a skeleton to a mesh, stage by stage.
+/// \file The whole way from a skeleton, or a lumen and its skeleton, to a mesh, stage by stage.
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 #include "vasohex/skeleton/build_network.h"
 #include "vasohex/skeleton/diagnose.h"
 #include "vasohex/surface/convolution.h"
+#include "vasohex/surface/tri_surface.h"
 
 namespace vasohex {
 
@@ -28,7 +30,7 @@ struct SkeletonMeshOptions {
 struct SkeletonMesh {
   Network network;
   std::vector<Finding> findings;  ///< what diagnose says of the network that was meshed
-  std::unique_ptr<ImplicitSurface> surface;
+  std::shared_ptr<const ImplicitSurface> surface;
   BlockStructure blocks;
   Sheets sheets;
   MeshResult result;
@@ -38,5 +40,17 @@ struct SkeletonMesh {
 /// Cleans and smooths the skeleton, wraps it in a convolution surface, builds and optimises blocks, grades and
 /// meshes. The mesh may hold invalid elements: measure_quality tells. Errors as of the stages.
 SkeletonMesh mesh_skeleton(const Skeleton& skeleton, const SkeletonMeshOptions& options = {}, const Run& run = {});
+
+/// A lumen that a mesh conforms to.
+struct Lumen {
+  std::vector<SurfaceEnd> ends;
+  /// Makes its surface; the network tells where the axes are and how wide the vessels are around them.
+  std::function<std::shared_ptr<const ImplicitSurface>(const Network& network)> surface;
+};
+
+/// The same for a given lumen: the skeleton, led to the lumen's ends (tie_ends), says how the vessels run, and the
+/// blocks conform to the lumen's surface. options.surface and options.repair are not used.
+SkeletonMesh mesh_lumen(const Skeleton& skeleton, const Lumen& lumen, const SkeletonMeshOptions& options = {},
+                        const Run& run = {});
 
 }  // namespace vasohex

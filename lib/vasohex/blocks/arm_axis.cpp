@@ -46,6 +46,24 @@ double length_of(const ArmAxis& axis) {
   return length;
 }
 
+ArmAxis reversed(ArmAxis axis) {
+  std::reverse(axis.points.begin(), axis.points.end());
+  std::reverse(axis.radii.begin(), axis.radii.end());
+  return axis;
+}
+
+ArmPoint middle_of(const std::vector<ArmPoint>& places) {
+  ArmPoint middle;
+  double radii = 0;
+  for (const ArmPoint& p : places) {
+    middle.position += p.radius * p.position;
+    middle.radius = std::max(middle.radius, p.radius);
+    radii += p.radius;
+  }
+  middle.position /= radii;
+  return middle;
+}
+
 double parting_length(const ArmAxis& a, const ArmAxis& b) {
   const double longest = std::min(length_of(a), length_of(b));
   const double step = 0.1 * std::min(a.radii.front(), b.radii.front());
@@ -83,7 +101,7 @@ std::vector<int> layer_places(const ArmAxis& axis, bool cube_at_end) {
   std::vector<double> before{0};
   for (std::size_t i = 1; i < t.size(); ++i) {
     const double along = (axis.points[i] - axis.points[i - 1]).norm() / (axis.radii[i] + axis.radii[i - 1]);
-    const double turn = std::atan2(t[i - 1].cross(t[i]).norm(), t[i - 1].dot(t[i]));
+    const double turn = angle_between(t[i - 1], t[i]);
     before.push_back(before.back() + std::max(along, turn / 0.7));
   }
   const double first = kCube, last = before.back() - (cube_at_end ? kCube : 0.0);

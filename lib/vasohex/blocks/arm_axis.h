@@ -22,6 +22,13 @@ struct ArmPoint {
 ArmPoint arm_point(const ArmAxis& axis, double s);
 double length_of(const ArmAxis& axis);
 
+/// From the other end.
+ArmAxis reversed(ArmAxis axis);
+
+/// Between places side by side [n >= 1], nearer to the wider ones: where the tubes together have their middle. The
+/// largest radius.
+ArmPoint middle_of(const std::vector<ArmPoint>& places);
+
 /// Length along both from their common start up to which their tubes overlap; at most the length of the shorter.
 double parting_length(const ArmAxis& a, const ArmAxis& b);
 

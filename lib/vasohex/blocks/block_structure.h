@@ -24,7 +24,7 @@ struct BlockStructure {
     int node = 0;             ///< of the network
     int degree = 0;           ///< of the junction
     std::string prototype;    ///< `cube`, `tree of cubes`, or `cubes linked` in a cluster of junctions
-    double min_jacobian = 0;  ///< least scaled Jacobian of the cluster's mesh, or blocks: least_jacobian
+    double min_jacobian = 0;  ///< least scaled Jacobian of the cluster: BlockSolution
     bool certified = false;
     int candidates = 0;      ///< assignments tried
     double cpu_seconds = 0;  ///< processor time of the cluster, shared equally among its junctions

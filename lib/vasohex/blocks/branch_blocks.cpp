@@ -79,7 +79,7 @@ std::vector<double> stations(const Branch& branch, double s0, double s1, double 
   AxisPoint before = axis_point(branch, s0);
   for (int i = 1; i <= kSamples; ++i) {
     const AxisPoint p = axis_point(branch, s0 + (s1 - s0) * i / kSamples);
-    const double turn = std::atan2(before.tangent.cross(p.tangent).norm(), before.tangent.dot(p.tangent));
+    const double turn = angle_between(before.tangent, p.tangent);
     const double along = (s1 - s0) / kSamples / (block_length * 0.5 * (p.radius + before.radius));
     blocks_before[i] = blocks_before[i - 1] + std::max(along, turn / 0.6);
     before = p;
@@ -228,7 +228,6 @@ void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, 
     const BlockSolution before = judge_blocks(layer_nodes(from, to - from + 1), mesh);
     problem.mesh = mesh;
     BlockSolution after = optimise_blocks(problem);
-    after.min_jacobian = least_jacobian(after.nodes, mesh);
     after = fit_to_mesh(problem, std::move(after));
     if (after.is_better_than(before)) {
       std::copy(after.nodes.begin(), after.nodes.end(),

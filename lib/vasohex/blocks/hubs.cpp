@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
+#include "vasohex/core/disjoint_sets.h"
 #include "vasohex/surface/project.h"
 
 namespace vasohex {
@@ -29,17 +29,32 @@ SectionFrame frame_at(const AxisPoint& p) {
   return f;
 }
 
-/// Whether the surface around the axis point is a tube of about its radius, seen along rays in the normal plane: so
-/// many that a vessel of an eighth of its radius does not pass between them.
-bool is_tube(const ImplicitSurface& surface, const AxisPoint& p) {
+/// Whether the surface around the branch end's axis at arc length s is a tube, seen along rays in its normal plane,
+/// so many that a vessel of an eighth of the radius does not pass between them: of about the radius where vessels are
+/// round, of about the shape that it has a radius further on where they are not.
+bool is_tube(const ImplicitSurface& surface, const Branch& branch, int end, double s) {
+  const AxisPoint p = from_end(branch, end, s);
   const SectionFrame f = frame_at(p);
+  const bool round = surface.is_round() || s + p.radius > branch.length();
+  const AxisPoint q = from_end(branch, end, s + p.radius);
+  const auto wall = [&](const AxisPoint& from, const Vec3& direction, double most) {
+    return shoot(surface, from.position, direction, from.radius, most * from.radius);
+  };
   constexpr int kRays = 24;
   for (int ray = 0; ray < kRays; ++ray) {
     const double angle = ray * 2 * std::numbers::pi / kRays;
     const Vec3 direction = std::cos(angle) * f.x + std::sin(angle) * f.y;
-    const auto t = shoot(surface, f.origin, direction, f.radius, 1.3 * f.radius);
-    if (!t || *t > 1.05 * f.radius || *t < 0.7 * f.radius) {
-      return false;
+    if (round) {
+      const auto t = wall(p, direction, 1.3);
+      if (!t || *t > (surface.is_round() ? 1.05 : 1.3) * p.radius || *t < 0.7 * p.radius) {
+        return false;
+      }
+    } else {
+      const auto t = wall(p, direction, 3);
+      const auto further_on = wall(q, (direction - q.tangent.dot(direction) * q.tangent).normalized(), 3);
+      if (!t || !further_on || std::abs(*t - *further_on) > 0.2 * p.radius) {
+        return false;
+      }
     }
   }
   return true;
@@ -97,11 +112,7 @@ std::vector<Departure> depart(const Network& network, Hub& hub) {
   if (move < 0.25 * at || std::max(parting[i], parting[j]) > 0.6 * parting[third]) {
     return departures;
   }
-  const auto middle = [&](double s) -> ArmPoint {
-    const ArmPoint p = arm_point(axes[i], s), q = arm_point(axes[j], s);
-    const double sum = p.radius + q.radius;
-    return {(p.radius * p.position + q.radius * q.position) / sum, std::max(p.radius, q.radius)};
-  };
+  const auto middle = [&](double s) { return middle_of({arm_point(axes[i], s), arm_point(axes[j], s)}); };
   ArmAxis back;
   for (double s = move; s > 0.1 * at; s -= 0.2 * at) {
     back.points.push_back(middle(s).position);
@@ -136,10 +147,7 @@ ArmAxis axis_between(const Branch& branch, int end, double cap, const std::array
     append(axis, sample(branch, end, here.start, last));
   }
   if (is_link) {
-    ArmAxis back = there.way;
-    std::reverse(back.points.begin(), back.points.end());
-    std::reverse(back.radii.begin(), back.radii.end());
-    append(axis, back);
+    append(axis, reversed(there.way));
   }
   if (axis.points.size() < 2) {
     append(axis, sample(branch, end, cap, cap));
@@ -174,9 +182,8 @@ bool move_to_tube(const Network& network, const ImplicitSurface& surface, Arm& a
   int step = 0;
   bool tube = false;
   for (; step < 12 && arm.cap < branch.length() && !tube; ++step) {
-    const AxisPoint p = from_end(branch, arm.end, arm.cap);
-    tube = is_tube(surface, p);
-    arm.cap += tube ? 0.0 : 0.25 * p.radius;
+    tube = is_tube(surface, branch, arm.end, arm.cap);
+    arm.cap += tube ? 0.0 : 0.25 * from_end(branch, arm.end, arm.cap).radius;
   }
   const bool leads_to_end = network.nodes[branch.nodes[1 - arm.end]].degree == 1;
   if (leads_to_end && arm.cap > branch.length() - 0.4 * branch.radii.back()) {
@@ -243,14 +250,7 @@ std::vector<std::vector<int>> link_hubs(const Network& network, std::vector<Hub>
       }
     }
   }
-  std::vector<int> leader(hubs.size());
-  std::iota(leader.begin(), leader.end(), 0);
-  const auto find = [&](int h) {
-    while (leader[h] != h) {
-      h = leader[h] = leader[leader[h]];
-    }
-    return h;
-  };
+  DisjointSets linked(static_cast<int>(hubs.size()));
   for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
     for (Arm& arm : hubs[h].arms) {
       const int other = hub_at[arm.branch][1 - arm.end];
@@ -258,13 +258,13 @@ std::vector<std::vector<int>> link_hubs(const Network& network, std::vector<Hub>
       const auto link = link_between.find(key(arm.branch));
       if (link != link_between.end() && link->second == arm.branch) {
         arm.link = other;
-        leader[std::max(find(h), find(other))] = std::min(find(h), find(other));
+        linked.join(h, other);
       }
     }
   }
   std::map<int, std::vector<int>> members;
   for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
-    members[find(h)].push_back(h);
+    members[linked.find(h)].push_back(h);
   }
   std::vector<std::vector<int>> groups;
   for (auto& [first, list] : members) {

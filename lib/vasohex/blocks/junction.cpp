@@ -21,8 +21,6 @@ Vec3 face_normal(int face) {
   return n;
 }
 
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 /// The 24 rotations of the cube as permutations of its faces.
 std::vector<Face6> cube_rotations() {
   std::vector<Face6> rotations;

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "vasohex/blocks/polynomial_blocks.h"
-#include "vasohex/core/reference_hex.h"
 #include "vasohex/blocks/preconditioner.h"
+#include "vasohex/core/reference_hex.h"
 #include "vasohex/quality/validity.h"
 
 namespace vasohex {
@@ -311,26 +311,47 @@ class Optimiser {
   std::optional<Preconditioner> preconditioner_;  ///< of the blocks' degree and target lengths, while they last
 };
 
+/// The kernel's view of blocks that share no nodes, [blocks][(degree + 1)^3].
+kernel::DistortionOutput distortion_of(const std::vector<Vec3>& nodes, int degree, const SampleTables& tables,
+                                       const std::vector<double>& inverse_length, double epsilon) {
+  std::vector<int> ids(nodes.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  kernel::DistortionInput in;
+  in.degree = degree;
+  in.samples = tables.samples;
+  in.value = tables.value.data();
+  in.slope = tables.slope.data();
+  in.blocks = static_cast<int>(inverse_length.size()) / 3;
+  in.ids = ids.data();
+  in.nodes = nodes.data()->data();
+  in.inverse_length = inverse_length.data();
+  in.epsilon = epsilon;
+  return kernel::distortion(in, nullptr);
+}
+
+/// The least scaled Jacobian at samples of blocks.
+double least_at(const std::vector<Vec3>& nodes, const SampleTables& tables) {
+  // scaled Jacobians do not depend on the scale, but the kernel's guard against zero lengths does
+  std::vector<double> inverse_length;
+  for (std::size_t first = 0; first < nodes.size(); first += kBlockNodes) {
+    const double size = (nodes[first + kBlockNodes - 1] - nodes[first]).norm();
+    inverse_length.insert(inverse_length.end(), 3, size > 0 ? 1 / size : 1.0);
+  }
+  return distortion_of(nodes, kBlockDegree, tables, inverse_length, 1e-3).min_jacobian;
+}
+
+std::vector<double> block_nodes_1d() { return family_nodes(NodeFamily::gauss_lobatto, kBlockDegree); }
+
 }  // namespace
 
 double straight_energy(const BlockProblem& problem) {
-  constexpr int kDegree = 2, kNodes = 27;  // the least that the kernel knows
+  constexpr int kDegree = 2;  // the least that the kernel knows
   const std::vector<double> halves = family_nodes(NodeFamily::gauss_lobatto, kDegree);
-  const SampleTables tables = equispaced_tables(halves, 5);
   std::vector<Vec3> nodes;
   std::vector<double> inverse_length;
   for (const std::array<int, 8>& block : problem.blocks) {
-    for (int at = 0; at < kNodes; ++at) {
-      const std::array<double, 3> u{halves[at % 3], halves[at / 3 % 3], halves[at / 9]};
-      Vec3 p = Vec3::Zero();
-      for (int c = 0; c < 8; ++c) {
-        double w = 1;
-        for (int d = 0; d < 3; ++d) {
-          w *= (c >> d) & 1 ? u[d] : 1 - u[d];
-        }
-        p += w * problem.vertices[block[c]];
-      }
-      nodes.push_back(p);
+    for (int at = 0; at < 27; ++at) {
+      nodes.push_back(trilinear(problem.vertices, block, {halves[at % 3], halves[at / 3 % 3], halves[at / 9]}));
     }
     for (int d = 0; d < 3; ++d) {
       double length = 0;
@@ -341,58 +362,24 @@ double straight_energy(const BlockProblem& problem) {
       inverse_length.push_back(1 / length);
     }
   }
-  std::vector<int> ids(nodes.size());
-  std::iota(ids.begin(), ids.end(), 0);
-  kernel::DistortionInput in;
-  in.degree = kDegree;
-  in.samples = tables.samples;
-  in.value = tables.value.data();
-  in.slope = tables.slope.data();
-  in.blocks = static_cast<int>(problem.blocks.size());
-  in.ids = ids.data();
-  in.nodes = nodes.data()->data();
-  in.inverse_length = inverse_length.data();
-  in.epsilon = 0.1;
-  return kernel::distortion(in, nullptr).energy;
+  return distortion_of(nodes, kDegree, equispaced_tables(halves, 5), inverse_length, 0.1).energy;
 }
 
 double placed_energy(const BlockProblem& problem) { return Optimiser(problem).place(); }
 
-double least_jacobian(const std::vector<Vec3>& nodes, const MeshDivision& mesh) {
-  const int n = kBlockDegree + 1;
-  const std::vector<double> gauss = family_nodes(NodeFamily::gauss_lobatto, kBlockDegree);
-  const std::optional<SampleTables> of_mesh = mesh_tables(gauss, mesh);
-  const SampleTables tables = of_mesh ? *of_mesh : equispaced_tables(gauss, 9);
-  std::vector<int> ids(nodes.size());
-  std::iota(ids.begin(), ids.end(), 0);
-  const std::size_t blocks = nodes.size() / (n * n * n);
-  // scaled Jacobians do not depend on the scale, but the kernel's guard against zero lengths does
-  std::vector<double> inverse_length(3 * blocks);
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const double size = (nodes[(b + 1) * n * n * n - 1] - nodes[b * n * n * n]).norm();
-    std::fill_n(inverse_length.begin() + 3 * b, 3, size > 0 ? 1 / size : 1.0);
-  }
-  kernel::DistortionInput in;
-  in.degree = kBlockDegree;
-  in.samples = tables.samples;
-  in.value = tables.value.data();
-  in.slope = tables.slope.data();
-  in.blocks = static_cast<int>(blocks);
-  in.ids = ids.data();
-  in.nodes = nodes.data()->data();
-  in.inverse_length = inverse_length.data();
-  return kernel::distortion(in, nullptr).min_jacobian;
-}
+double least_jacobian(const std::vector<Vec3>& nodes) { return least_at(nodes, equispaced_tables(block_nodes_1d(), 9)); }
 
 BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh) {
   BlockSolution s;
-  s.min_jacobian = least_jacobian(nodes, mesh);
-  std::vector<int> ids(nodes.size());
-  std::iota(ids.begin(), ids.end(), 0);
-  Run serial;
-  serial.threads = 1;  // junctions are solved side by side
-  s.certified = least_jacobian(nodes) > 0;
+  const double of_blocks = least_jacobian(nodes);
+  const auto tables = mesh_tables(block_nodes_1d(), mesh);
+  s.min_jacobian = tables ? least_at(nodes, *tables) : of_blocks;
+  s.certified = of_blocks > 0;
   if (s.certified) {
+    std::vector<int> ids(nodes.size());
+    std::iota(ids.begin(), ids.end(), 0);
+    Run serial;
+    serial.threads = 1;  // junctions are solved side by side
     for (const Validity& v : certify(kBlockDegree, NodeFamily::gauss_lobatto, nodes, ids, serial)) {
       s.certified = s.certified && v.state == ValidityState::certified;
     }
@@ -402,8 +389,12 @@ BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh) {
 }
 
 BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start) {
-  const auto tables = mesh_tables(family_nodes(NodeFamily::gauss_lobatto, kBlockDegree), problem.mesh);
-  if (!tables || !start.certified) {
+  const auto tables = mesh_tables(block_nodes_1d(), problem.mesh);
+  if (!tables) {
+    return start;
+  }
+  start.min_jacobian = least_at(start.nodes, *tables);
+  if (!start.certified) {
     return start;
   }
   Optimiser optimiser(problem);

@@ -48,7 +48,7 @@ struct BlockProblem {
 
 struct BlockSolution {
   std::vector<Vec3> nodes;   ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
-  double min_jacobian = -1;  ///< least scaled Jacobian of the mesh asked for; least_jacobian
+  double min_jacobian = -1;  ///< least scaled Jacobian: of the elements of problem.mesh where they differ from the blocks
   bool certified = false;    ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
 
   bool is_better_than(const BlockSolution& other) const {
@@ -71,7 +71,7 @@ double straight_energy(const BlockProblem& problem);
 double placed_energy(const BlockProblem& problem);
 
 /// Below the blocks' degree a mesh interpolates them, and its elements are worse. A last stage for problem.mesh: the
-/// energy sees its elements, the unknowns stay the blocks' control points. Returns `start`, the nodes of a solution,
+/// energy sees its elements, the unknowns stay the blocks' control points. Returns `start`, judged by that mesh,
 /// where that does not pay (order and number of elements so high that the mesh is as good as its blocks), or where
 /// it is not better, or no longer certified.
 BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start);
@@ -79,8 +79,7 @@ BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start);
 /// Control points [blocks][kBlockNodes] judged as they are: min_jacobian and certificate.
 BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh = {});
 
-/// The least scaled Jacobian alone: of the blocks, on an equispaced lattice of 9^3 points each, or of the elements of
-/// a mesh that interpolates them and is not too fine to differ.
-double least_jacobian(const std::vector<Vec3>& nodes, const MeshDivision& mesh = {});
+/// The least scaled Jacobian of blocks alone, on an equispaced lattice of 9^3 points each.
+double least_jacobian(const std::vector<Vec3>& nodes);
 
 }  // namespace vasohex

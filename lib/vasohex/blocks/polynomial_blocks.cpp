@@ -117,15 +117,7 @@ void PolynomialBlocks::place() {
   for (int b = 0; b < block_count(); ++b) {
     for (int at = 0; at < n * n * n; ++at) {
       const std::array<double, 3> u{nodes_1d_[at % n], nodes_1d_[at / n % n], nodes_1d_[at / n / n]};
-      Vec3 p = Vec3::Zero();
-      for (int c = 0; c < 8; ++c) {
-        double w = 1;
-        for (int d = 0; d < 3; ++d) {
-          w *= (c >> d) & 1 ? u[d] : 1 - u[d];
-        }
-        p += w * problem_->vertices[problem_->blocks[b][c]];
-      }
-      x.row(id(b, at)) = p;
+      x.row(id(b, at)) = trilinear(problem_->vertices, problem_->blocks[b], u);
     }
   }
   place_sections();

@@ -33,6 +33,20 @@ inline SampleTables equispaced_tables(const std::vector<double>& nodes, int samp
 /// needs to see its Jacobians. None if the mesh is about as good as the blocks.
 std::optional<SampleTables> mesh_tables(const std::vector<double>& nodes, const MeshDivision& mesh);
 
+/// Point u in [0,1]^3 of a hexahedron with straight edges.
+inline Vec3 trilinear(const std::vector<Vec3>& vertices, const std::array<int, 8>& block,
+                      const std::array<double, 3>& u) {
+  Vec3 p = Vec3::Zero();
+  for (int c = 0; c < 8; ++c) {
+    double w = 1;
+    for (int d = 0; d < 3; ++d) {
+      w *= (c >> d) & 1 ? u[d] : 1 - u[d];
+    }
+    p += w * vertices[block[c]];
+  }
+  return p;
+}
+
 /// What the energy is made of; see kernel::DistortionInput.
 struct EnergyTerms {
   double shape_weight = 1;

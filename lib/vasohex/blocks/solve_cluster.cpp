@@ -31,14 +31,6 @@ std::vector<CubeAssignment> assignments_of(const Hub& hub, int count) {
   return cube_assignments(directions, count);
 }
 
-ClusterResult as_result(const ImplicitSurface& surface, const Arrangement& arrangement) {
-  ClusterResult r;
-  r.cluster = arrangement.cluster;
-  r.assignments = arrangement.assignments;
-  r.blocks = cluster_blocks(surface, r.cluster, r.assignments);
-  return r;
-}
-
 /// The least scaled Jacobian of each hub's blocks.
 std::vector<double> least_of_hubs(const ClusterResult& r) {
   std::vector<double> least(r.cluster.size(), 2.0);
@@ -58,41 +50,41 @@ void keep_best(std::vector<Arrangement>& all, std::size_t count) {
 }
 
 /// Arrangements of hub `h`, as one cube, a tree of cubes or one cube with a hub that is near, with the other hubs as they
-/// are; the most promising first.
+/// are; the most promising first, at least one.
 std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
                                       std::size_t count) {
   // with more branches there are more ways to go wrong
   const std::size_t first_choice = now.cluster[h].arms.size() > kCubeArms ? 64 : 20;
   std::vector<Arrangement> all;
-  const auto add = [&](const Cluster& cluster, int most) {
-    Arrangement a{cluster, now.assignments};
-    a.assignments.resize(now.cluster.size());
-    for (std::size_t s = now.cluster.size(); s < cluster.size(); ++s) {
-      a.assignments.push_back(assignments_of(cluster[s], 1).front());
-    }
-    for (const CubeAssignment& assignment : assignments_of(cluster[h], most)) {
-      a.assignments[h] = assignment;
+  // `a` with each of the `most` best ways to assign the arms of hub `changed`
+  const auto add = [&](Arrangement a, int changed, int most) {
+    for (const CubeAssignment& assignment : assignments_of(a.cluster[changed], most)) {
+      a.assignments[changed] = assignment;
       a.energy = straight_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
       all.push_back(a);
     }
   };
   if (now.cluster[h].arms.size() <= kCubeArms) {
-    add(now.cluster, 6);
+    add(now, h, 6);
   }
   if (now.cluster[h].arms.size() > 3) {
     for (const Cluster& divided : split_hub(now.cluster, h)) {
-      add(divided, 1);
+      Arrangement a{divided, now.assignments};
+      for (std::size_t s = now.cluster.size(); s < divided.size(); ++s) {
+        a.assignments.push_back(assignments_of(divided[s], 1).front());
+      }
+      add(a, h, 1);
     }
   }
   for (const auto& [merged, at] : merge_hub(now.cluster, h)) {
-    for (const CubeAssignment& assignment : assignments_of(merged[at], 6)) {
-      Arrangement a{merged, {}};
-      for (int s = 0; s < static_cast<int>(merged.size()); ++s) {
-        a.assignments.push_back(s == at ? assignment : assignments_of(merged[s], 1).front());
-      }
-      a.energy = straight_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
-      all.push_back(a);
+    Arrangement a{merged, {}};
+    for (const Hub& hub : merged) {
+      a.assignments.push_back(assignments_of(hub, 1).front());
     }
+    add(a, at, 6);
+  }
+  if (all.empty()) {
+    throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
   }
   keep_best(all, first_choice);
   for (Arrangement& a : all) {
@@ -110,11 +102,7 @@ Arrangement first_arrangement(const ImplicitSurface& surface, const Cluster& clu
   }
   for (int h = 0; h < static_cast<int>(cluster.size()); ++h) {
     if (cluster[h].arms.size() > kCubeArms) {
-      std::vector<Arrangement> all = arrangements(surface, first, h, 1);
-      if (all.empty()) {
-        throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
-      }
-      first = std::move(all.front());
+      first = arrangements(surface, first, h, 1).front();
     }
   }
   return first;
@@ -130,7 +118,10 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
     return best && best->solution.certified && best->solution.min_jacobian >= options.good_jacobian;
   };
   const auto attempt = [&](const Arrangement& arrangement, bool patient) {
-    ClusterResult r = as_result(surface, arrangement);
+    ClusterResult r;
+    r.cluster = arrangement.cluster;
+    r.assignments = arrangement.assignments;
+    r.blocks = cluster_blocks(surface, r.cluster, r.assignments);
     ++tried;
     if (patient) {
       r.solution = optimise_blocks(r.blocks.problem);
@@ -159,9 +150,6 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
   }
   if (alone && !is_good()) {
     const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, kLongSearch * options.candidates);
-    if (all.empty()) {
-      throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
-    }
     attempt_all(all);
     for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 3) && !(best && best->solution.certified); ++i) {
       attempt(all[i], true);
@@ -191,7 +179,6 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
     }
   }
   best->blocks.problem.mesh = options.mesh;
-  best->solution.min_jacobian = least_jacobian(best->solution.nodes, options.mesh);
   best->solution = fit_to_mesh(best->blocks.problem, std::move(best->solution));
   best->candidates = tried;
   best->cpu_seconds = thread_cpu_seconds() - start;

@@ -11,17 +11,14 @@ namespace vasohex {
 namespace {
 
 using Group = std::vector<int>;  ///< arms that share a cube
-
-double angle(const Arm& a, const Arm& b) {
-  return std::atan2(a.direction.cross(b.direction).norm(), a.direction.dot(b.direction));
-}
+constexpr int kMostOfGroup = 4;
 
 /// The widest angle between two arms of a group.
 double spread(const Hub& hub, const Group& group) {
   double widest = 0;
   for (std::size_t a = 0; a < group.size(); ++a) {
     for (std::size_t b = a + 1; b < group.size(); ++b) {
-      widest = std::max(widest, angle(hub.arms[group[a]], hub.arms[group[b]]));
+      widest = std::max(widest, angle_between(hub.arms[group[a]].direction, hub.arms[group[b]].direction));
     }
   }
   return widest;
@@ -71,6 +68,10 @@ std::vector<std::vector<Group>> groupings(const Hub& hub) {
       return;
     }
     const int now = left - static_cast<int>(group.size()) + 1;
+    const int groups_left = static_cast<int>(most_groups - chosen.size()) - 1;
+    if (now - groups_left * (kMostOfGroup - 1) > kCubeArms) {
+      return;
+    }
     for (const int a : group) {
       used[a] = 1;
     }
@@ -103,20 +104,14 @@ ArmAxis way_to_cube(const Hub& hub, const Group& group) {
       end = std::min(end, parting_length(hub.arms[group[a]].axis, hub.arms[group[b]].axis));
     }
   }
-  const auto middle = [&](double s) {
-    Vec3 sum = Vec3::Zero();
-    double radii = 0;
-    for (const int a : group) {
-      const ArmPoint p = arm_point(hub.arms[a].axis, s);
-      sum += p.radius * p.position;
-      radii += p.radius;
-    }
-    return Vec3(sum / radii);
-  };
   const int pieces = std::max(2, static_cast<int>(std::ceil(end / (0.25 * radius))));
   ArmAxis way;
   for (int i = 0; i <= pieces; ++i) {
-    way.points.push_back(middle(end * i / pieces));
+    std::vector<ArmPoint> places;
+    for (const int a : group) {
+      places.push_back(arm_point(hub.arms[a].axis, end * i / pieces));
+    }
+    way.points.push_back(middle_of(places).position);
     way.radii.push_back(1.15 * radius);
   }
   return (way.points.back() - hub.centre).norm() > 0.05 * end ? way : ArmAxis{};
@@ -129,12 +124,6 @@ ArmAxis straight(const Vec3& from, const Vec3& to, double radius) {
     axis.points.push_back(from + static_cast<double>(i) / pieces * (to - from));
     axis.radii.push_back(radius);
   }
-  return axis;
-}
-
-ArmAxis reversed(ArmAxis axis) {
-  std::reverse(axis.points.begin(), axis.points.end());
-  std::reverse(axis.radii.begin(), axis.radii.end());
   return axis;
 }
 

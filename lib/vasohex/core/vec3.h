@@ -3,11 +3,15 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <limits>
 
 namespace vasohex {
 
 using Vec3 = Eigen::Vector3d;
+
+/// In [0, pi]; of any lengths > 0, exact for small angles too.
+inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 /// Axis-parallel box; empty until the first point is added.
 struct Box {

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <set>
 
+#include "vasohex/core/disjoint_sets.h"
 #include "vasohex/core/error.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 #include "vasohex/skeleton/loops.h"
 #include "vasohex/skeleton/sample_axis.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr double kLargestBend = 40 * std::numbers::pi / 180;    // of a vessel that goes straight on at a junction
 constexpr double kClearlyBest = 15 * std::numbers::pi / 180;    // no other pair may come that close
 constexpr double kRadiusPenalty = 30 * std::numbers::pi / 180;  // per factor e between the radii
+constexpr double kWorthALine = 0.1;  // a displacement, in radii
 constexpr double kWiderNode = 1.15;  // a node this much wider than its branch says nothing about the branch
 
 /// A chain of points between two nodes, or around a closed curve (first and last point are the seam).
@@ -158,9 +160,7 @@ std::vector<int> continuations(const Skeleton& skeleton, const Topology& topolog
       int a, b;
     };
     std::vector<Pair> pairs;
-    const auto bend = [&](int a, int b) {
-      return std::numbers::pi - std::atan2(direction[a].cross(direction[b]).norm(), direction[a].dot(direction[b]));
-    };
+    const auto bend = [&](int a, int b) { return std::numbers::pi - angle_between(direction[a], direction[b]); };
     for (std::size_t i = 0; i < ends.size(); ++i) {
       for (std::size_t j = i + 1; j < ends.size(); ++j) {
         const int a = ends[i], b = ends[j];
@@ -237,26 +237,25 @@ struct Changes {
   Largest lowered;   ///< relative
   Largest rounded;   ///< distance of the axis from straight edges, over the radius
   int straightened = 0;
+  std::vector<Largest> bends;  ///< rounded: displacement over the radius
 };
 
-/// The stretch of a curve from point `start` of its path on, as long as the radii there reach. Knots between points
-/// take their radii from the interpolant between those, so that they change nothing about them.
-AxisPiece piece_between(const PathCurve& curve, std::size_t start, const std::vector<double>& radii) {
-  std::vector<double> at;
-  for (std::size_t i = 0; i < radii.size(); ++i) {
-    at.push_back(curve.spline.t[curve.knots[start + i]]);
-  }
+/// The stretch of a curve between the nodes at parameters `at.front()` and `at.back()`, with radii given at some
+/// parameters. Knots in between take theirs from the interpolant.
+AxisPiece piece_between(const SpaceSpline& spline, const std::vector<double>& at, const std::vector<double>& radii) {
   const std::vector<double> slopes = monotone_slopes(at, radii);
-  AxisPiece piece{curve.knots[start], curve.knots[start + radii.size() - 1], {radii[0]}, {slopes[0]}};
-  for (std::size_t i = 0; i + 1 < radii.size(); ++i) {
-    const double h = at[i + 1] - at[i];
-    for (std::size_t k = curve.knots[start + i] + 1; k < curve.knots[start + i + 1]; ++k) {
-      const double u = (curve.spline.t[k] - at[i]) / h;
-      piece.radii.push_back(hermite(radii[i], slopes[i], radii[i + 1], slopes[i + 1], h, u));
-      piece.slopes.push_back(hermite_derivative(radii[i], slopes[i], radii[i + 1], slopes[i + 1], h, u));
+  const auto knot = [&](double t) {
+    return static_cast<std::size_t>(std::lower_bound(spline.t.begin(), spline.t.end(), t) - spline.t.begin());
+  };
+  AxisPiece piece{knot(at.front()), knot(at.back()), {}, {}};
+  std::size_t i = 0;
+  for (std::size_t k = piece.first; k <= piece.last; ++k) {
+    while (i + 2 < at.size() && at[i + 1] <= spline.t[k]) {
+      ++i;
     }
-    piece.radii.push_back(radii[i + 1]);
-    piece.slopes.push_back(slopes[i + 1]);
+    const double h = at[i + 1] - at[i], u = (spline.t[k] - at[i]) / h;
+    piece.radii.push_back(hermite(radii[i], slopes[i], radii[i + 1], slopes[i + 1], h, u));
+    piece.slopes.push_back(hermite_derivative(radii[i], slopes[i], radii[i + 1], slopes[i + 1], h, u));
   }
   return piece;
 }
@@ -303,52 +302,72 @@ void add_branches(const Skeleton& skeleton, const Topology& topology, Path path,
   const std::vector<double> t = polyline_length(curve.points, curve.closed);
 
   // Radii, in runs of chains between which they do not jump
-  std::vector<std::vector<double>> radii(path.chains.size());
+  struct RadiusRun {
+    std::size_t begin = 0, end = 0;  // chains
+    bool closed = false;
+    std::vector<double> radii;
+  };
+  const auto stretch = [&](const std::vector<double>& values, std::size_t begin, std::size_t end) {
+    return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(starts[begin]),
+                               values.begin() + static_cast<std::ptrdiff_t>(starts[end]) + 1);
+  };
+  std::vector<RadiusRun> runs;
   std::vector<double> scale(n, std::numeric_limits<double>::infinity());
+  const auto limit_slopes = [&](RadiusRun& run, const std::vector<double>& at) {
+    const std::vector<double> before = run.radii;
+    run.radii = limit_slope(stretch(at, run.begin, run.end), before, run.closed);
+    for (std::size_t i = 0; i < run.radii.size(); ++i) {
+      changes.lowered.add(1 - run.radii[i] / before[i], points[starts[run.begin] + i]);
+      double& smallest = scale[(starts[run.begin] + i) % n];
+      smallest = std::min(smallest, run.radii[i]);
+    }
+  };
   for (std::size_t begin = 0, end = 0; begin < path.chains.size(); begin = end) {
     end = begin + 1;
     while (end < path.chains.size() && !breaks_before(end)) {
       ++end;
     }
-    const bool closed = path.closed && begin == 0 && end == path.chains.size() && !breaks_before(0);
+    RadiusRun run{begin, end, path.closed && begin == 0 && end == path.chains.size() && !breaks_before(0), {}};
     std::vector<double> raw;
     for (std::size_t k = begin; k < end; ++k) {
       const std::vector<double> own = oriented(topology.chains[path.chains[k].chain].radii, path.chains[k].side);
       raw.insert(raw.end(), own.begin() + (raw.empty() ? 0 : 1), own.end());
     }
-    if (closed) {
+    if (run.closed) {
       raw.pop_back();
     }
-    const std::vector<double> at(t.begin() + static_cast<std::ptrdiff_t>(starts[begin]),
-                                 t.begin() + static_cast<std::ptrdiff_t>(starts[end]) + 1);
-    const std::vector<double> smoothed = smooth_radii(at, raw, closed);
-    std::vector<double> run = limit_slope(at, smoothed, closed);
-    for (std::size_t i = 0; i < run.size(); ++i) {
-      const int point = points[starts[begin] + i];
-      changes.smoothed.add(std::abs(smoothed[i] / raw[i] - 1), point);
-      changes.lowered.add(1 - run[i] / smoothed[i], point);
-      double& smallest = scale[(starts[begin] + i) % n];
-      smallest = std::min(smallest, run[i]);
+    run.radii = smooth_radii(stretch(t, begin, end), raw, run.closed);
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      changes.smoothed.add(std::abs(run.radii[i] / raw[i] - 1), points[starts[begin] + i]);
     }
-    if (closed) {
-      run.push_back(run.front());
-    }
-    for (std::size_t k = begin; k < end; ++k) {
-      radii[k].assign(run.begin() + static_cast<std::ptrdiff_t>(starts[k] - starts[begin]),
-                      run.begin() + static_cast<std::ptrdiff_t>(starts[k + 1] - starts[begin]) + 1);
-    }
+    limit_slopes(run, t);
+    runs.push_back(std::move(run));
   }
 
   const PathCurve near = curve_near(curve, scale);
-  const SpaceSpline& spline = near.spline;
   for (std::size_t i = 0; i < n; ++i) {
-    changes.moved.add((spline.points[near.knots[i]] - curve.points[i]).norm() / scale[i], points[i]);
+    changes.moved.add(near.moved[i], points[i]);
+  }
+  for (const PathBend& bend : near.bends) {
+    changes.bends.push_back({bend.moved, points[bend.point]});
   }
   changes.straightened += near.straightened;
   changes.rounded.add(near.off_edge, points[near.off_edge_at]);
+
+  std::vector<std::vector<double>> radii(path.chains.size());
+  for (RadiusRun& run : runs) {
+    limit_slopes(run, near.t);  // where a bend was rounded, points are nearer to each other
+    if (run.closed) {
+      run.radii.push_back(run.radii.front());
+    }
+    for (std::size_t k = run.begin; k < run.end; ++k) {
+      radii[k].assign(run.radii.begin() + static_cast<std::ptrdiff_t>(starts[k] - starts[run.begin]),
+                      run.radii.begin() + static_cast<std::ptrdiff_t>(starts[k + 1] - starts[run.begin]) + 1);
+    }
+  }
   for (std::size_t k = 0; k < path.chains.size(); ++k) {
     const auto [chain, side] = path.chains[k];
-    Branch branch = sample_axis(spline, piece_between(near, starts[k], radii[k]));
+    Branch branch = sample_axis(near.spline, piece_between(near.spline, stretch(near.t, k, k + 1), radii[k]));
     if (side == 1) {
       std::reverse(branch.points.begin(), branch.points.end());
       std::reverse(branch.radii.begin(), branch.radii.end());
@@ -401,17 +420,9 @@ void give_names(const Skeleton& skeleton, Network& network) {
 /// Names of the ends that have none yet.
 void choose_names(const Skeleton& skeleton, const Run& run, Network& network) {
   const int count = static_cast<int>(network.nodes.size());
-  std::vector<int> root(count);  // of the component
-  std::iota(root.begin(), root.end(), 0);
-  const auto component = [&](int n) {
-    while (root[n] != n) {
-      n = root[n] = root[root[n]];
-    }
-    return n;
-  };
+  DisjointSets component(count);
   for (const Branch& branch : network.branches) {
-    const int a = component(branch.nodes[0]), b = component(branch.nodes[1]);
-    root[std::max(a, b)] = std::min(a, b);
+    component.join(branch.nodes[0], branch.nodes[1]);
   }
   struct Component {
     double volume = 0;
@@ -419,12 +430,12 @@ void choose_names(const Skeleton& skeleton, const Run& run, Network& network) {
   };
   std::map<int, Component> by_root;
   for (const Branch& branch : network.branches) {
-    by_root[component(branch.nodes[0])].volume += volume(branch);
+    by_root[component.find(branch.nodes[0])].volume += volume(branch);
   }
   std::set<std::string> taken;
   for (int n = 0; n < count; ++n) {
     if (network.nodes[n].degree == 1) {
-      by_root[component(n)].ends.push_back(n);
+      by_root[component.find(n)].ends.push_back(n);
       taken.insert(network.nodes[n].name);
     }
   }
@@ -517,6 +528,15 @@ Network assemble(const Skeleton& skeleton, const Run& run) {
   report(changes.moved, 0.01, "smoothing moved points by up to ", 1, " radii");
   report(changes.smoothed, 0.01, "smoothing changed radii by up to ", 100, " %");
   report(changes.lowered, 0.01, "radii that change by more than 0.75 per length lowered by up to ", 100, " %");
+  std::stable_sort(changes.bends.begin(), changes.bends.end(),
+                   [](const Largest& a, const Largest& b) { return a.value > b.value; });
+  for (const Largest& bend : changes.bends) {
+    if (bend.value > kWorthALine) {
+      network.repairs.push_back("the bend at " + place_of(skeleton, bend.point) +
+                                " is too sharp for a tube: rounded, which moves the axis by " +
+                                short_text(std::round(100 * bend.value) / 100) + " radii");
+    }
+  }
   if (changes.straightened > 0) {
     network.repairs.push_back("note: between points far apart the axis is straight, on " +
                               std::to_string(changes.straightened) + " stretches; corners are rounded, " +

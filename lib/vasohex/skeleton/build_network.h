@@ -29,13 +29,14 @@ struct NetworkOptions {
 /// - Edges of more than 10 radii from which that curve would swing out by more than 0.25 radii are kept straight, apart
 ///   from some radii at corners: those are passed with a bend of about 2 radii, up to 1 radius off the edge at right angles.
 /// - Points closer than about their radius are smoothed as far as their noise asks for, others are interpolated. No
-///   point moves by more than 0.2 radii (0.75 at bends sharper than the radius), no radius changes by more than 20 %,
-///   except as follows.
+///   point moves by more than 0.2 radii, no radius changes by more than 20 %, except as follows.
+/// - Bends with less than 1.05 radii are rounded to 1.1 radii, unless that would move the axis by more than 4 radii (see
+///   limit_bends). Every place where it moves by more than 0.1 radii is reported with how far.
 /// - Where a node is more than 15 % wider than a branch one node radius away from it, the branch keeps its own radius
 ///   up to the node: a skeleton has but one radius per point, that of the widest branch.
 /// - Radii change along the axis by at most 0.75 per length between points; steeper bulges are lowered.
 /// - Junctions nearer to each other than 0.3 radii become one (see merge_junctions).
-/// - Points where a branch turns back sharply and loops too short for a hole are left out (see straighten).
+/// - Loops too short for a hole are left out (see straighten).
 /// - Of loops of any number of branches that their own tubes fill, the branch without which the lumen changes least is
 ///   left out (see filled_loops).
 /// - NetworkNode::radius is the largest radius of the branches that meet there.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <numeric>
 #include <set>
 
+#include "vasohex/core/disjoint_sets.h"
 #include "vasohex/core/error.h"
+#include "vasohex/core/short_text.h"
 
 namespace vasohex {
 namespace {
@@ -46,29 +46,14 @@ void check(const Skeleton& skeleton) {
 
 }  // namespace
 
-std::string short_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
 std::string place_of(const Skeleton& skeleton, int point) {
-  const Vec3& p = skeleton.points[point];
-  return "point " + std::to_string(point) + " (" + short_text(p.x()) + " " + short_text(p.y()) + " " +
-         short_text(p.z()) + ")";
+  return "point " + std::to_string(point) + " " + short_text(skeleton.points[point]);
 }
 
 Skeleton clean(const Skeleton& skeleton, std::vector<std::string>& repairs) {
   check(skeleton);
   const int n = static_cast<int>(skeleton.points.size());
-  std::vector<int> merged(n);  // towards the point of lowest index of the group
-  std::iota(merged.begin(), merged.end(), 0);
-  const auto group = [&](int i) {
-    while (merged[i] != i) {
-      i = merged[i] = merged[merged[i]];
-    }
-    return i;
-  };
+  DisjointSets merged(n);
   std::vector<bool> used(n, false);
   for (const auto& [a, b] : skeleton.segments) {
     used[a] = used[b] = true;
@@ -77,10 +62,10 @@ Skeleton clean(const Skeleton& skeleton, std::vector<std::string>& repairs) {
       continue;
     }
     const double tolerance = 1e-6 * std::min(skeleton.radii[a], skeleton.radii[b]);
-    if (group(a) != group(b) && (skeleton.points[a] - skeleton.points[b]).norm() <= tolerance) {
+    if (merged.find(a) != merged.find(b) && (skeleton.points[a] - skeleton.points[b]).norm() <= tolerance) {
       repairs.push_back(place_of(skeleton, std::max(a, b)) + " coincides with its neighbour " +
                         place_of(skeleton, std::min(a, b)) + ": made one");
-      merged[std::max(group(a), group(b))] = std::min(group(a), group(b));
+      merged.join(a, b);
     }
   }
 
@@ -88,7 +73,7 @@ Skeleton clean(const Skeleton& skeleton, std::vector<std::string>& repairs) {
   result.segments.clear();
   std::set<std::array<int, 2>> seen;
   for (const auto& [a, b] : skeleton.segments) {
-    const int from = group(a), to = group(b);
+    const int from = merged.find(a), to = merged.find(b);
     if (from == to) {
       continue;  // reported above
     }
@@ -109,14 +94,14 @@ Skeleton clean(const Skeleton& skeleton, std::vector<std::string>& repairs) {
   }
   result.names.clear();
   for (const auto& [p, name] : skeleton.names) {
-    const auto [entry, is_new] = result.names.emplace(group(p), name);
+    const auto [entry, is_new] = result.names.emplace(merged.find(p), name);
     if (!is_new) {
-      throw Error(ErrorCode::bad_input, place_of(skeleton, group(p)) + " has the names '" + entry->second +
+      throw Error(ErrorCode::bad_input, place_of(skeleton, merged.find(p)) + " has the names '" + entry->second +
                                             "' and '" + name + "', must have one");
     }
   }
   if (result.root) {
-    result.root = group(*result.root);
+    result.root = merged.find(*result.root);
   }
   return result;
 }

@@ -17,7 +17,4 @@ Skeleton clean(const Skeleton& skeleton, std::vector<std::string>& repairs);
 /// `point 12 (1.5 -3 0.25)`, to name a place in messages.
 std::string place_of(const Skeleton& skeleton, int point);
 
-/// Shortest text of six significant digits, for messages.
-std::string short_text(double value);
-
 }  // namespace vasohex

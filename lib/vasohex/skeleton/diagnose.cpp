@@ -5,8 +5,9 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 
+#include "vasohex/core/disjoint_sets.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 #include "vasohex/skeleton/contacts.h"
 
@@ -17,24 +18,12 @@ constexpr double kSharpBend = 1 / 1.1;
 constexpr double kSteepTaper = 0.6;
 constexpr double kTiny = 0.01;  // part of the largest component's volume
 
-std::string place(const Vec3& p) {
-  return "(" + short_text(p.x()) + " " + short_text(p.y()) + " " + short_text(p.z()) + ")";
-}
-
 std::string rounded(double value) { return short_text(std::round(100 * value) / 100); }
 
 std::string vessel(const Network& network, int branch) {
   const Branch& b = network.branches[branch];
   return "the vessel from point " + std::to_string(network.nodes[b.nodes[0]].point) + " to point " +
          std::to_string(network.nodes[b.nodes[1]].point);
-}
-
-double mean_radius(const Branch& branch) {
-  double sum = 0;
-  for (std::size_t i = 0; i + 1 < branch.arc.size(); ++i) {
-    sum += (branch.arc[i + 1] - branch.arc[i]) * (branch.radii[i] + branch.radii[i + 1]) / 2;
-  }
-  return sum / branch.length();
 }
 
 /// Components of a network.
@@ -44,23 +33,15 @@ struct Component {
 };
 
 std::vector<Component> components_of(const Network& network, std::vector<int>& component_of_branch) {
-  std::vector<int> root(network.nodes.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int n) {
-    while (root[n] != n) {
-      n = root[n] = root[root[n]];
-    }
-    return n;
-  };
+  DisjointSets joined(static_cast<int>(network.nodes.size()));
   for (const Branch& b : network.branches) {
-    const int p = find(b.nodes[0]), q = find(b.nodes[1]);
-    root[std::max(p, q)] = std::min(p, q);
+    joined.join(b.nodes[0], b.nodes[1]);
   }
   std::map<int, int> index;
   std::vector<Component> components;
   for (std::size_t b = 0; b < network.branches.size(); ++b) {
     const Branch& branch = network.branches[b];
-    const auto [it, is_new] = index.emplace(find(branch.nodes[0]), static_cast<int>(components.size()));
+    const auto [it, is_new] = index.emplace(joined.find(branch.nodes[0]), static_cast<int>(components.size()));
     if (is_new) {
       components.emplace_back();
     }
@@ -97,7 +78,7 @@ Finding contact_finding(const Network& network, const Contact& contact) {
   f.figure = std::abs(m.relative());
   const std::string radii = short_text(m.radii[0]) + " and " + short_text(m.radii[1]);
   const std::string who = who_meet(network, m);
-  const std::string depth = " by " + rounded(f.figure) + " of the smaller radius at " + place(f.at) + " (radii " +
+  const std::string depth = " by " + rounded(f.figure) + " of the smaller radius at " + short_text(f.at) + " (radii " +
                             radii + ", axes " + short_text(m.gap + m.radii[0] + m.radii[1]) + " apart)";
   switch (contact.kind) {
     case ContactKind::passing:
@@ -110,7 +91,7 @@ Finding contact_finding(const Network& network, const Contact& contact) {
       } else {
         f.kind = FindingKind::touch;
         f.severity = Severity::warning;
-        f.text = who + " nearly touch at " + place(f.at) + ": the gap is " + rounded(f.figure) +
+        f.text = who + " nearly touch at " + short_text(f.at) + ": the gap is " + rounded(f.figure) +
                  " of the smaller radius (radii " + radii + ")";
         f.cure = "nothing, if the gap is meant; else as for overlaps, or --repair";
       }
@@ -184,7 +165,7 @@ void add_contacts(const Network& network, std::vector<Finding>& findings) {
     f.point = network.nodes[first.nodes[0]].point;
     f.figure = part.length / (2 * part.radius);
     f.text = "a separate piece of length " + short_text(part.length) + " and radius " + short_text(part.radius) +
-             " at " + place(f.at) +
+             " at " + short_text(f.at) +
              (swallowed[c] ? " lies inside " + vessel(network, f.branches[1]) +
                                  ": both are meshed, and their meshes overlap there"
                            : " is shorter than its diameter");
@@ -243,7 +224,7 @@ void add_bends_and_tapers(const Network& network, std::vector<Finding>& findings
           f.at = at;
           f.figure = figure;
           f.text = vessel(network, static_cast<int>(b)) + " bends with " + rounded(1 / figure) +
-                   " times its radius at " + place(at) +
+                   " times its radius at " + short_text(at) +
                    (figure > 1 ? ": its cross-sections overlap on the inner side" : "");
           f.cure = "a smaller radius there, or points along a wider bend";
           findings.push_back(f);
@@ -258,7 +239,7 @@ void add_bends_and_tapers(const Network& network, std::vector<Finding>& findings
           f.at = at;
           f.figure = figure;
           f.text = "the radius of " + vessel(network, static_cast<int>(b)) + " changes by " + rounded(figure) +
-                   " per length at " + place(at);
+                   " per length at " + short_text(at);
           f.cure = "check the radii of the points there";
           findings.push_back(f);
         });
@@ -332,7 +313,7 @@ void add_stubs(const Network& network, std::vector<Finding>& findings) {
       f.at = tip.position;
       f.point = tip.point;
       f.figure = branch.length() / network.nodes[n].radius;
-      f.text = vessel(network, end.branch) + " ends at " + place(f.at) + " inside " + vessel(network, host->branch) +
+      f.text = vessel(network, end.branch) + " ends at " + short_text(f.at) + " inside " + vessel(network, host->branch) +
                ", " + short_text(branch.length()) + " long where the parent's radius is " +
                short_text(network.nodes[n].radius) + ": the mesh lengthens it until it sticks out";
       f.cure = "leave it out (--repair does, unless it has a name), or lengthen it";
@@ -357,7 +338,7 @@ void add_near_junctions(const Network& network, std::vector<Finding>& findings) 
     f.point = first.point;
     f.figure = branch.length() / radius;
     f.text = "the junctions at points " + std::to_string(first.point) + " and " + std::to_string(last.point) +
-             " are " + rounded(f.figure) + " radii apart at " + place(f.at);
+             " are " + rounded(f.figure) + " radii apart at " + short_text(f.at);
     f.cure = "nothing, if that is meant; if it is one junction that was traced as two, make it one point";
     findings.push_back(f);
   }

@@ -9,7 +9,7 @@
 #include <set>
 #include <tuple>
 
-#include "vasohex/skeleton/clean.h"
+#include "vasohex/core/short_text.h"
 
 namespace vasohex {
 namespace {
@@ -22,14 +22,6 @@ constexpr std::size_t kSeams = 48;      // places where the two halves of a loop
 
 /// Lengths that differ by rounding alone become the same number.
 std::int64_t quantised(double value, double unit) { return std::llround(value / unit * (1 << 20) + 0.3137); }
-
-double mean_radius(const Branch& branch) {
-  double sum = 0;
-  for (std::size_t i = 0; i + 1 < branch.arc.size(); ++i) {
-    sum += (branch.arc[i + 1] - branch.arc[i]) * (branch.radii[i] + branch.radii[i + 1]) / 2;
-  }
-  return sum / branch.length();
-}
 
 /// A straight piece of a tube.
 struct Piece {
@@ -293,9 +285,7 @@ class Search {
 
 std::string description(const Network& network, const Cycle& cycle, int leave_out) {
   const auto place = [&](int node) {
-    const Vec3& p = network.nodes[node].position;
-    return "point " + std::to_string(network.nodes[node].point) + " (" + short_text(p.x()) + " " + short_text(p.y()) +
-           " " + short_text(p.z()) + ")";
+    return "point " + std::to_string(network.nodes[node].point) + " " + short_text(network.nodes[node].position);
   };
   double radius = 0;
   std::string points;

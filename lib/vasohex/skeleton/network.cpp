@@ -28,6 +28,14 @@ AxisPoint axis_point(const Branch& branch, double s) {
   return point;
 }
 
+double mean_radius(const Branch& branch) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < branch.arc.size(); ++i) {
+    sum += (branch.arc[i + 1] - branch.arc[i]) * (branch.radii[i] + branch.radii[i + 1]) / 2;
+  }
+  return sum / branch.length();
+}
+
 std::vector<std::vector<BranchEnd>> branch_ends(const Network& network) {
   std::vector<std::vector<BranchEnd>> ends(network.nodes.size());
   for (std::size_t b = 0; b < network.branches.size(); ++b) {

@@ -46,6 +46,9 @@ struct AxisPoint {
 };
 AxisPoint axis_point(const Branch& branch, double s);
 
+/// Over the length of the branch.
+double mean_radius(const Branch& branch);
+
 /// One of the two ends of a branch.
 struct BranchEnd {
   int branch = 0;

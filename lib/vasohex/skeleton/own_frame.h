@@ -13,6 +13,8 @@ struct OwnFrame {
 
   Vec3 outward(const Vec3& y) const { return origin + scale * (rotation * y); }
   Vec3 inward(const Vec3& x) const { return rotation.transpose() * (x - origin) / scale; }
+  /// The frame whose outward is this one's inward.
+  OwnFrame inverse() const { return {inward(Vec3::Zero()), rotation.transpose(), 1 / scale}; }
 };
 
 /// The middle of all samples, the mean radius as length, axes towards the furthest sample and the one furthest from

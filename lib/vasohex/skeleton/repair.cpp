@@ -6,6 +6,8 @@
 #include <queue>
 #include <set>
 
+#include "vasohex/core/short_text.h"
+#include "vasohex/core/smooth_step.h"
 #include "vasohex/skeleton/clean.h"
 #include "vasohex/skeleton/contacts.h"
 #include "vasohex/skeleton/diagnose.h"
@@ -22,18 +24,12 @@ constexpr double kLeastRoom = 3;    // radii of arc to the next node that a disp
 constexpr double kContinues = 0.7;  // thinning goes on, through a node, into branches at least that wide
 constexpr int kAttempts = 4;
 
-/// 1 at 0, falling to 0 at 1, first and second derivatives 0 at both.
-double bump(double x) {
-  x = std::clamp(1 - x, 0.0, 1.0);
-  return x * x * x * (10 + x * (6 * x - 15));
-}
-
 /// What is to become of a branch around a place on it. Beyond an end of the branch if the place is on another one.
 struct Change {
   double arc = 0, core = 0, reach = 0;  ///< full up to `core` from `arc`, none from core + reach on
   double factor = 1;                    ///< of the radius
   Vec3 move = Vec3::Zero();
-  double weight(double s) const { return bump((std::abs(s - arc) - core) / reach); }
+  double weight(double s) const { return smooth_step(1 - (std::abs(s - arc) - core) / reach); }
 };
 
 double factor_at(const std::vector<Change>& changes, double s) {
@@ -49,7 +45,7 @@ Vec3 move_at(const std::vector<Change>& changes, const Branch& branch, double s)
   for (const Change& c : changes) {
     const double room = std::min({c.reach, c.arc, branch.length() - c.arc});  // nodes stay where they are
     if (room > 0) {
-      move += bump(std::abs(s - c.arc) / room) * c.move;
+      move += smooth_step(1 - std::abs(s - c.arc) / room) * c.move;
     }
   }
   return move;
@@ -154,8 +150,7 @@ class Parting {
 };
 
 std::string vessels(const Network& network, const Meeting& m) {
-  const Vec3 p = place_of(network, m);
-  return who_meet(network, m) + " at (" + short_text(p.x()) + " " + short_text(p.y()) + " " + short_text(p.z()) + ")";
+  return who_meet(network, m) + " at " + short_text(place_of(network, m));
 }
 
 std::string percent(double part) { return short_text(std::round(1000 * part) / 10) + " %"; }

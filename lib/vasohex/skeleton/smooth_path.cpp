@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "vasohex/skeleton/limit_bends.h"
+
 namespace vasohex {
 namespace {
 
@@ -15,11 +17,8 @@ constexpr double kCurvatureNoise = 0.05;  // times 1 / radius
 constexpr double kSlopeNoise = 0.02;      // of the radius per length
 constexpr double kLongestAxis = 1.0;      // smoothing lengths at most, in radii
 constexpr double kLongestRadius = 2.0;
-constexpr double kMoveAtBend = 0.75;   // the same where a bend is sharper than a tube allows
 constexpr double kMove = 0.2;          // largest displacement, in radii
 constexpr double kRadiusChange = 0.2;  // largest relative change
-constexpr double kTooSharp = 0.95;     // curvature times radius from which a path's bends are softened,
-constexpr double kSharp = 0.87;        // those above this
 constexpr double kSlope = 0.75;        // steepest change of the radius per length
 constexpr double kLongEdge = 10.0;     // in radii: such an edge is meant to be straight
 constexpr double kOffEdge = 0.25;      // largest distance from a long edge that needs no help, in radii
@@ -80,29 +79,6 @@ Smoothed smooth_within(const KnotData& data, std::vector<double> compliance, con
   }
 }
 
-SpaceSpline spline_through(const KnotData& data, const Smoothed& fit) {
-  const int n = static_cast<int>(data.values.rows());
-  SpaceSpline spline{data.t, {}, {}};
-  for (int i = 0; i < static_cast<int>(data.t.size()); ++i) {
-    spline.points.push_back(fit.values.row(i % n).transpose());
-    spline.derivatives.push_back(fit.second.row(i % n).transpose());
-  }
-  return spline;
-}
-
-/// Largest curvature at five places of each piece of a spline; one entry per piece.
-std::vector<double> piece_curvature(const SpaceSpline& spline) {
-  std::vector<double> result;
-  for (std::size_t k = 0; k + 1 < spline.t.size(); ++k) {
-    double largest = 0;
-    for (int i = 0; i <= 4; ++i) {
-      largest = std::max(largest, curvature(spline.at(k, spline.t[k] + (spline.t[k + 1] - spline.t[k]) * i / 4)));
-    }
-    result.push_back(largest);
-  }
-  return result;
-}
-
 }  // namespace
 
 std::vector<double> polyline_length(const std::vector<Vec3>& points, bool closed) {
@@ -158,9 +134,8 @@ SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& rad
   for (int i = 0; i < n; ++i) {
     data.values.row(i) = path.points[i].transpose();
   }
-  std::vector<bool> bends(n, false);
   const auto moved_too_far = [&](const Eigen::MatrixXd& values, int i) {
-    return (values.row(i) - data.values.row(i)).norm() / ((bends[i] ? kMoveAtBend : kMove) * radii[i]);
+    return (values.row(i) - data.values.row(i)).norm() / (kMove * radii[i]);
   };
   Smoothed fit;
   std::vector<double> compliance(n, 0.0);
@@ -189,48 +164,13 @@ SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& rad
       }
     }
   }
-  // Bends sharper than a tube allows are softened as far as the points may move
-  SpaceSpline spline = spline_through(data, fit), gentlest = spline;
-  double least = 1e300;
-  for (int round = 0; round <= 12; ++round) {
-    const std::vector<double> bent = piece_curvature(spline);
-    std::vector<bool> soften(n, false);
-    double sharpest = 0;
-    for (int k = 0; k < static_cast<int>(bent.size()); ++k) {
-      sharpest = std::max(sharpest, bent[k] * std::min(radii[k], radii[(k + 1) % n]));
-      if (bent[k] * std::min(radii[k], radii[(k + 1) % n]) > kSharp) {
-        for (int i = k - 1; i <= k + 2; ++i) {
-          const int j = data.closed ? (i + n) % n : std::clamp(i, 0, n - 1);
-          soften[j] = !path.fixed[j];
-        }
-      }
-    }
-    // softening one bend may sharpen another
-    if (sharpest < least) {
-      least = sharpest;
-      gentlest = spline;
-    }
-    for (int i = 0; i < n; ++i) {
-      if (soften[i]) {
-        compliance[i] = std::max(3 * compliance[i], std::pow(0.2 * radii[i], 3));
-        bends[i] = true;
-      }
-    }
-    if (round == 0 && sharpest < kTooSharp) {
-      break;  // a bend that a tube allows is better left alone: softened, its legs come nearer each other
-    }
-    if (round == 12 || std::none_of(soften.begin(), soften.end(), [](bool s) { return s; })) {
-      break;
-    }
-    fit = smooth_within(data, compliance, moved_too_far);
-    spline = spline_through(data, fit);
-  }
-  for (std::size_t i = 0; i < gentlest.points.size(); ++i) {
+  SpaceSpline spline = spline_through(data, fit);
+  for (std::size_t i = 0; i < spline.points.size(); ++i) {
     if (path.fixed[i % n]) {
-      gentlest.points[i] = path.points[i % n];  // to the last bit
+      spline.points[i] = path.points[i % n];  // to the last bit
     }
   }
-  return gentlest;
+  return spline;
 }
 
 PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
@@ -274,14 +214,15 @@ PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
   };
 
   PathCurve curve;
+  std::vector<std::size_t> knots;  // of the points
   std::vector<bool> straight(edges, false);
   for (;;) {
     PathPoints all;
     all.closed = path.closed;
     std::vector<double> scale;
-    curve.knots.clear();
+    knots.clear();
     for (std::size_t i = 0; i < n; ++i) {
-      curve.knots.push_back(all.points.size());
+      knots.push_back(all.points.size());
       all.points.push_back(path.points[i]);
       all.fixed.push_back(path.fixed[i]);
       scale.push_back(radii[i]);
@@ -294,7 +235,7 @@ PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
       }
     }
     if (path.closed) {
-      curve.knots.push_back(all.points.size());
+      knots.push_back(all.points.size());
     }
     curve.spline = smooth_points(all, scale);
     curve.off_edge = 0;
@@ -304,7 +245,7 @@ PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
       if (length[e] <= kLongEdge * (r0 + r1) / 2) {
         continue;
       }
-      for (std::size_t k = curve.knots[e]; k < curve.knots[e + 1]; ++k) {
+      for (std::size_t k = knots[e]; k < knots[e + 1]; ++k) {
         constexpr int steps = 16;
         for (int i = 0; i < steps; ++i) {
           const double step = (curve.spline.t[k + 1] - curve.spline.t[k]) / steps;
@@ -322,9 +263,26 @@ PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
         }
       }
     }
-    if (settled) {
-      return curve;
+    if (!settled) {
+      continue;
     }
+    for (std::size_t i = 0; i < n; ++i) {
+      curve.moved.push_back((curve.spline.points[knots[i]] - path.points[i]).norm() / radii[i]);
+    }
+    if (path.closed) {
+      scale.push_back(scale.front());
+      all.fixed.push_back(all.fixed.front());
+    }
+    LimitedBends limited = limit_bends(curve.spline, scale, all.fixed, path.closed);
+    curve.spline = std::move(limited.spline);
+    for (const std::size_t k : knots) {
+      curve.t.push_back(limited.t[k]);
+    }
+    for (const LimitedBends::Bend& bend : limited.rounded) {
+      const auto after = std::upper_bound(knots.begin(), knots.end(), bend.knot);
+      curve.bends.push_back({static_cast<std::size_t>(after - knots.begin() - 1) % n, bend.moved});
+    }
+    return curve;
   }
 }
 

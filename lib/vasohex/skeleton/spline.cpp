@@ -93,6 +93,16 @@ Smoothed smooth(const KnotData& data, std::span<const double> compliance) {
   return result;
 }
 
+SpaceSpline spline_through(const KnotData& data, const Smoothed& fit) {
+  const int n = static_cast<int>(data.values.rows());
+  SpaceSpline spline{data.t, {}, {}};
+  for (int i = 0; i < static_cast<int>(data.t.size()); ++i) {
+    spline.points.push_back(fit.values.row(i % n).transpose());
+    spline.derivatives.push_back(fit.second.row(i % n).transpose());
+  }
+  return spline;
+}
+
 std::vector<double> noise_level(const KnotData& data) {
   const int n = static_cast<int>(data.values.rows());
   const int points = std::min(5, n);  // of one difference

@@ -41,6 +41,9 @@ struct Smoothed {
 };
 Smoothed smooth(const KnotData& data, std::span<const double> compliance);
 
+/// The curve of a smoothing spline in three dimensions; of a closed one with the first knot again at the end.
+SpaceSpline spline_through(const KnotData& data, const Smoothed& fit);
+
 /// The standard deviation of the noise of one value component at each knot, from differences of fourth order (lower
 /// in short data) over some neighbours: close to zero for smooth data, however bent.
 std::vector<double> noise_level(const KnotData& data);

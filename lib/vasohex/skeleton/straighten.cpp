@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
 
 #include "vasohex/core/error.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 
 namespace vasohex {
 namespace {
 
-constexpr double kTurnsBack = 2 * std::numbers::pi / 3;
-constexpr double kAside = 4;          // radii
 constexpr double kOneJunction = 0.3;  // largest distance between two junctions that are one, in radii
 
 using Pair = std::array<int, 2>;
@@ -68,64 +66,6 @@ bool remove_blind_loop(Skeleton& skeleton, std::vector<std::string>& repairs) {
     }
   }
   return false;
-}
-
-/// The angle by which a chain turns at its k-th point; 0 at its ends.
-double turn(const Skeleton& skeleton, const PointChain& chain, std::size_t k) {
-  if (k == 0 || k + 1 >= chain.size()) {
-    return 0;
-  }
-  const Vec3 a = skeleton.points[chain[k]] - skeleton.points[chain[k - 1]];
-  const Vec3 b = skeleton.points[chain[k + 1]] - skeleton.points[chain[k]];
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const double u = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-  return (p - a - u * (b - a)).norm();
-}
-
-/// Leaves out points until the chain turns back nowhere, or cannot be helped.
-PointChain without_turning_back(const Skeleton& skeleton, PointChain chain, std::vector<std::string>& repairs) {
-  const bool closed = chain.front() == chain.back();
-  for (std::size_t k = 1; k + 1 < chain.size();) {
-    if (turn(skeleton, chain, k) <= kTurnsBack) {
-      ++k;
-      continue;
-    }
-    // of this point and its neighbours, the one without which the chain is straightest
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = k - 1; i <= k + 1; ++i) {
-      if (i == 0 || i + 1 >= chain.size() || (closed && chain.size() <= 4)) {
-        continue;
-      }
-      const Vec3 &before = skeleton.points[chain[i - 1]], &after = skeleton.points[chain[i + 1]];
-      if ((after - before).norm() == 0 ||
-          distance_to_segment(skeleton.points[chain[i]], before, after) > kAside * skeleton.radii[chain[i]]) {
-        continue;
-      }
-      PointChain rest = chain;
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-      double sum = 0;
-      for (std::size_t j = k >= 3 ? k - 3 : 0; j < k + 4; ++j) {
-        sum += turn(skeleton, rest, j);
-      }
-      if (sum < least) {
-        least = sum;
-        best = i;
-      }
-    }
-    if (best == 0) {
-      ++k;
-      continue;
-    }
-    repairs.push_back("the branch turns back at " + place_of(skeleton, chain[k]) + ": " +
-                      place_of(skeleton, chain[best]) + " left out");
-    chain.erase(chain.begin() + static_cast<std::ptrdiff_t>(best));
-    k = std::max<std::size_t>(best, 3) - 2;
-  }
-  return chain;
 }
 
 }  // namespace
@@ -243,14 +183,6 @@ Skeleton merge_junctions(Skeleton skeleton, std::vector<std::string>& repairs) {
 Skeleton straighten(Skeleton skeleton, std::vector<std::string>& repairs) {
   while (remove_blind_loop(skeleton, repairs)) {
   }
-  std::vector<Pair> segments;
-  for (const PointChain& chain : split(skeleton)) {
-    const PointChain better = without_turning_back(skeleton, chain, repairs);
-    for (std::size_t i = 0; i + 1 < better.size(); ++i) {
-      segments.push_back({better[i], better[i + 1]});
-    }
-  }
-  skeleton.segments = std::move(segments);
   if (skeleton.segments.empty()) {
     throw Error(ErrorCode::bad_input,
                 "nothing but closed curves too short for a hole, at least one branch is needed");

@@ -23,11 +23,9 @@ void remove_chain(Skeleton& skeleton, const PointChain& chain);
 /// radius are one: the wider one stays where it is. Adds one line to `repairs` for each.
 Skeleton merge_junctions(Skeleton skeleton, std::vector<std::string>& repairs);
 
-/// A clean skeleton without
-/// - closed tubes without a hole: a branch back to its own start, or the longer of two between the same points, where
-///   the way around is shorter than around a circle of the mean radius;
-/// - points where a branch turns back by more than 120 degrees, if they lie within 4 radii of the way without them.
-/// Adds one line to `repairs` for each. Throws Error (bad_input) if no segment remains.
+/// A clean skeleton without closed tubes that have no hole: a branch back to its own start, or the longer of two
+/// between the same points, where the way around is shorter than around a circle of the mean radius. Adds one line to
+/// `repairs` for each. Throws Error (bad_input) if no segment remains.
 Skeleton straighten(Skeleton skeleton, std::vector<std::string>& repairs);
 
 }  // namespace vasohex

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <ranges>
 #include <set>
 #include <utility>
+
+#include "vasohex/core/disjoint_sets.h"
+#include "vasohex/core/smooth_step.h"
 
 namespace vasohex {
 namespace {
@@ -175,15 +177,6 @@ void add_siblings(const Network& network, Blending& blending) {
   }
 }
 
-}  // namespace
-
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * x * (10 + x * (6 * x - 15));
-}
-
-namespace {
-
 /// 1 - product over the balls of (1 - weight).
 template <typename Balls>
 BlendWeight weight_of(Balls&& balls, const Vec3& x) {
@@ -289,25 +282,17 @@ Blending make_blending(const Network& network) {
   }
 
   // Nodes whose balls meet along a branch form one joint.
-  std::vector<int> parent(nodes);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int node) {
-    while (parent[node] != node) {
-      node = parent[node] = parent[parent[node]];
-    }
-    return node;
-  };
+  DisjointSets near(nodes);
   for (const Branch& branch : network.branches) {
     const BlendBall &first = blending.node_balls[branch.nodes[0]], &last = blending.node_balls[branch.nodes[1]];
     if (first.inner > 0 && last.inner > 0 && branch.length() < first.inner + last.inner) {
-      const int a = root(branch.nodes[0]), b = root(branch.nodes[1]);
-      parent[std::max(a, b)] = std::min(a, b);
+      near.join(branch.nodes[0], branch.nodes[1]);
     }
   }
   std::vector<int> joint_of_node(nodes, -1);
   for (int node = 0; node < nodes; ++node) {
     if (blending.node_balls[node].inner > 0) {
-      const int top = root(node);
+      const int top = near.find(node);
       if (joint_of_node[top] < 0) {
         joint_of_node[top] = static_cast<int>(blending.joints.size());
         blending.joints.emplace_back();

@@ -70,7 +70,4 @@ struct Blending {
 /// and the outer one R1 + 2 r; t is how far from the node two of its tubes still overlap (at most 8 r).
 Blending make_blending(const Network& network);
 
-/// 0 for x <= 0, 1 for x >= 1, the quintic with vanishing first and second derivatives at both between.
-double smooth_step(double x);
-
 }  // namespace vasohex

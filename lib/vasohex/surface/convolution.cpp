@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "vasohex/core/smooth_step.h"
 #include "vasohex/core/parallel.h"
 #include "vasohex/surface/blending.h"
 #include "vasohex/surface/cone_kernel.h"
@@ -90,6 +91,7 @@ class ConvolutionSurface final : public ImplicitSurface {
 
   double value(const Vec3& x) const override { return evaluate<false>(x, nullptr); }
   double value(const Vec3& x, Vec3& gradient) const override { return evaluate<true>(x, &gradient); }
+  bool is_round() const override { return true; }
   double radius(const Vec3& x) const override {
     double field = 0, weighted = 0;
     tree_.for_each_near(x, [&](const ConeSegment& segment) {
@@ -488,6 +490,7 @@ class PieceView final : public ImplicitSurface {
     return value(x, gradient);
   }
   double value(const Vec3& x, Vec3& gradient) const override { return surface_.value_of_piece(piece_, x, gradient); }
+  bool is_round() const override { return true; }
   double radius(const Vec3& x) const override { return surface_.radius(x); }
 
  private:

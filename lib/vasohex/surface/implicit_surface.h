@@ -28,6 +28,9 @@ class ImplicitSurface {
   /// Radius of the vessel around x: the length that tolerances and trust regions relate to. > 0.
   virtual double radius(const Vec3& x) const = 0;
 
+  /// Whether a cross-section away from junctions is a circle of the network's radius.
+  virtual bool is_round() const { return false; }
+
   /// The same surface around these stretches, without the vessels that only pass there: what a mesh of the stretches
   /// must follow where vessels touch or overlap. Dear; the whole surface if it does not know vessels. Must not outlive
   /// this surface.

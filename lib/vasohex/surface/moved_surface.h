@@ -11,7 +11,7 @@ namespace vasohex {
 
 class MovedSurface final : public ImplicitSurface {
  public:
-  MovedSurface(std::unique_ptr<ImplicitSurface> surface, const OwnFrame& frame)
+  MovedSurface(std::shared_ptr<const ImplicitSurface> surface, const OwnFrame& frame)
       : surface_(std::move(surface)), frame_(frame) {}
 
   double value(const Vec3& x) const override { return surface_->value(frame_.inward(x)); }
@@ -21,9 +21,10 @@ class MovedSurface final : public ImplicitSurface {
     return v;
   }
   double radius(const Vec3& x) const override { return frame_.scale * surface_->radius(frame_.inward(x)); }
+  bool is_round() const override { return surface_->is_round(); }
 
  private:
-  std::unique_ptr<ImplicitSurface> surface_;
+  std::shared_ptr<const ImplicitSurface> surface_;
   OwnFrame frame_;
 };
 
