@@ -41,7 +41,7 @@ double ratio_of_sum(int n, double sum) {
 /// How much of a line towards the wall layers may take.
 constexpr double kMostOfLine = 0.75;
 /// Lengths that differ by less than this part are compared smoothly.
-constexpr double kBlend = 0.2;
+constexpr double kBlend = 0.15;
 
 /// The lesser of two lengths, rounded off where they differ by less than `width`: twice continuously differentiable.
 double smooth_lesser(double a, double b, double width) {
