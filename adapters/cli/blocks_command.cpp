@@ -6,6 +6,7 @@
 #include "mesh_options.h"
 #include "option_checks.h"
 #include "report.h"
+#include "vasohex/block_file.h"
 #include "vtk/write_vtu.h"
 
 namespace vasohex::cli {
@@ -16,42 +17,6 @@ struct BlocksCommand {
   SkeletonMeshOptions options;
   std::vector<std::string> outputs;
 };
-
-const char* kind_name(DirectionKind kind) {
-  return kind == DirectionKind::radial ? "radial" : kind == DirectionKind::axial ? "axial" : "core";
-}
-
-nlohmann::ordered_json blocks_json(const SkeletonMesh& m) {
-  const BlockStructure& b = m.blocks;
-  nlohmann::ordered_json j;
-  j["format"] = "vasohex-blocks-1";
-  j["units"] = b.units;
-  j["degree"] = b.degree;
-  j["control_points"] = "gauss_lobatto, i fastest";
-  auto& nodes = j["nodes"] = nlohmann::ordered_json::array();
-  for (const Vec3& p : b.nodes) {
-    nodes.push_back({p.x(), p.y(), p.z()});
-  }
-  const int per_block = static_cast<int>(b.block_nodes.size() / b.blocks.size());
-  auto& blocks = j["blocks"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < b.blocks.size(); ++i) {
-    blocks.push_back({{"vertices", b.blocks[i]},
-                      {"nodes", std::vector<int>(b.block_nodes.begin() + i * per_block,
-                                                 b.block_nodes.begin() + (i + 1) * per_block)},
-                      {"directions", {kind_name(b.kinds[i][0]), kind_name(b.kinds[i][1]), kind_name(b.kinds[i][2])}},
-                      {"place", b.places[i]}});
-  }
-  auto& boundary = j["boundary"] = nlohmann::ordered_json::array();
-  for (const BlockStructure::BoundaryFace& f : b.boundary) {
-    boundary.push_back({f.block, f.face, f.surface});
-  }
-  j["surfaces"] = b.surfaces;
-  auto& sheets = j["sheets"] = nlohmann::ordered_json::array();
-  for (const Sheet& s : m.sheets.sheets) {
-    sheets.push_back(s.name);
-  }
-  return j;
-}
 
 void run_blocks(BlocksCommand& c, Common& common) {
   if (c.outputs.empty()) {
@@ -76,7 +41,9 @@ void run_blocks(BlocksCommand& c, Common& common) {
   }
   for (const std::string& output : c.outputs) {
     if (extension(output) == ".json") {
-      write_json(blocks_json(m), output);
+      BlockFile file = block_file(m, c.options);
+      file.grading = {};
+      write_block_file(file, output);
     } else {
       const std::vector<double> quality = measure_quality(m.result.mesh, run).element_scaled_jacobian;
       const CellScalars scalars[]{{"scaled_jacobian", quality}};

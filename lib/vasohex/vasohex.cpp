@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "vasohex/blocks/move_blocks.h"
 #include "vasohex/skeleton/own_frame.h"
 #include "vasohex/skeleton/repair.h"
 #include "vasohex/skeleton/tie_ends.h"
@@ -34,19 +35,9 @@ void mesh_network(const Network& network, const OwnFrame& frame, const ImplicitS
   }
   out.sheets = grade(out.blocks, topology, grading);
   out.result = generate_mesh(out.blocks, topology, out.sheets, surface, options.mesh, run);
-  for (std::vector<Vec3>* nodes : {&out.blocks.nodes, &out.result.mesh.nodes}) {
-    for (Vec3& p : *nodes) {
-      p = frame.outward(p);
-    }
-  }
-  for (std::vector<Stretch>& region : out.blocks.regions) {
-    for (Stretch& stretch : region) {
-      stretch.from *= frame.scale;
-      stretch.to *= frame.scale;
-    }
-  }
-  for (SectionFrame& end : out.blocks.ends) {
-    end = {frame.outward(end.origin), frame.rotation * end.x, frame.rotation * end.y, frame.scale * end.radius};
+  move_outward(out.blocks, frame);
+  for (Vec3& p : out.result.mesh.nodes) {
+    p = frame.outward(p);
   }
   out.seconds["mesh"] = seconds_since(meshing);
 }

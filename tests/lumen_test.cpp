@@ -1,0 +1,148 @@
+// Meshes that conform to a given lumen: sections that are not circles, ends cut askew, skeletons that stop short.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gallery.h"
+#include "mesh_properties.h"
+#include "vasohex/quality/quality_report.h"
+#include "vasohex/skeleton/tie_ends.h"
+#include "vasohex/vasohex.h"
+
+namespace vasohex {
+namespace {
+
+/// Tubes squeezed along z: ellipses as sections, ends that are not at right angles to the axis.
+class Squeezed final : public ImplicitSurface {
+ public:
+  Squeezed(const Network& network, double factor)
+      : round_(make_convolution_surface(network)), factor_(1, 1, 1 / factor) {}
+  double value(const Vec3& x) const override { return round_->value(x.cwiseProduct(factor_)); }
+  double value(const Vec3& x, Vec3& gradient) const override {
+    const double v = round_->value(x.cwiseProduct(factor_), gradient);
+    gradient = gradient.cwiseProduct(factor_);
+    return v;
+  }
+  double radius(const Vec3& x) const override { return round_->radius(x.cwiseProduct(factor_)); }
+
+ private:
+  std::unique_ptr<ImplicitSurface> round_;
+  Vec3 factor_;
+};
+
+struct SqueezedCase {
+  Skeleton skeleton;
+  Lumen lumen;
+  std::shared_ptr<const ImplicitSurface> surface;
+};
+
+SqueezedCase squeezed(const Skeleton& skeleton, double factor) {
+  const Vec3 by(1, 1, factor);
+  Network network = build_network(skeleton);
+  clear_ends(network);
+  SqueezedCase c;
+  c.surface = std::make_shared<Squeezed>(network, factor);
+  c.lumen.surface = [surface = c.surface](const Network&) { return surface; };
+  for (const Branch& branch : network.branches) {
+    for (const int end : {0, 1}) {
+      if (network.nodes[branch.nodes[end]].degree == 1) {
+        const Vec3 outward = end == 0 ? Vec3(-branch.tangents.front()) : branch.tangents.back();
+        const Vec3& centre = end == 0 ? branch.points.front() : branch.points.back();
+        const double radius = end == 0 ? branch.radii.front() : branch.radii.back();
+        c.lumen.ends.push_back({centre.cwiseProduct(by), outward.cwiseQuotient(by).normalized(), radius});
+      }
+    }
+  }
+  c.skeleton = skeleton;
+  for (Vec3& p : c.skeleton.points) {
+    p = p.cwiseProduct(by);
+  }
+  for (double& r : c.skeleton.radii) {
+    r *= std::sqrt(factor);
+  }
+  return c;
+}
+
+TEST(Lumen, MayHaveEllipsesForSections) {
+  const std::vector<Skeleton> shapes{gallery::tube(8, 1),          gallery::linked(6),
+                                     gallery::linked(1.2),         gallery::random_star(3, 1, 30),
+                                     gallery::random_star(4, 1, 30), gallery::random_star(5, 1, 30),
+                                     gallery::torus(4, 1),         gallery::ring_with_arms()};
+  for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
+    SCOPED_TRACE(shape);
+    const SqueezedCase c = squeezed(shapes[shape], 1.4);
+    SkeletonMeshOptions options;
+    options.mesh.order = 3;
+    options.grading.elements = 2;
+    const SkeletonMesh m = mesh_lumen(c.skeleton, c.lumen, options);
+    const HexMesh& mesh = m.result.mesh;
+    const QualityReport quality = measure_quality(mesh);
+    EXPECT_EQ(quality.certified, mesh.element_count());
+    EXPECT_GT(quality.scaled_jacobian.min, 0.6);
+    EXPECT_EQ(m.result.unconverged, 0);
+    const int n = mesh.order + 1;
+    for (const HexMesh::BoundaryFace& face : mesh.boundary) {
+      const SectionFrame* end = face.surface > 0 ? &m.blocks.ends[face.surface - 1] : nullptr;
+      for (int i = 0; i < n * n * n; ++i) {
+        const std::array<int, 3> at{i % n, i / n % n, i / n / n};
+        if (at[face.face / 2] != (face.face % 2 == 1 ? mesh.order : 0)) {
+          continue;
+        }
+        const Vec3& x = mesh.nodes[mesh.elements[static_cast<std::size_t>(face.element) * n * n * n + i]];
+        if (end) {
+          EXPECT_NEAR((x - end->origin).dot(end->normal()), 0, 1e-9);
+        } else {
+          EXPECT_NEAR(c.surface->value(x), 0, 1e-7);
+        }
+      }
+    }
+    for (const SectionFrame& end : m.blocks.ends) {  // in the planes that the lumen is cut by
+      EXPECT_TRUE(std::any_of(c.lumen.ends.begin(), c.lumen.ends.end(), [&](const SurfaceEnd& e) {
+        return (e.centre - end.origin).norm() < 1e-6 && e.normal.dot(end.normal()) > 1 - 1e-9;
+      }));
+    }
+  }
+}
+
+TEST(TieEnds, ProlongsAndCutsAndNamesTheRest) {
+  Skeleton s = gallery::tube(8, 1);
+  const Vec3 first = s.points.front(), last = s.points.back();
+  const Vec3 along = (last - first).normalized();
+  const Vec3 aside = along.unitOrthogonal();
+  // one end two radii beyond the skeleton's, one a radius and a half before it, one that no vessel leads to
+  const std::vector<SurfaceEnd> ends{{first - 2 * along + 0.3 * aside, (-along + 0.2 * aside).normalized(), 1.1},
+                                     {last - 1.5 * along, along, 0.9},
+                                     {first + 30 * aside, aside, 1}};
+  std::vector<std::string> notes;
+  const std::vector<int> points = tie_ends(s, ends, notes);
+  ASSERT_EQ(points, (std::vector<int>{0, static_cast<int>(s.points.size()) - 1, -1}));
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("not meshed"), std::string::npos) << notes[0];
+  Network network = build_network(s);
+  face_ends(network, ends, points);
+  ASSERT_EQ(network.branches.size(), 1u);
+  const Branch& branch = network.branches[0];
+  EXPECT_LT((branch.points.front() - ends[0].centre).norm(), 1e-9);
+  EXPECT_LT((branch.points.back() - ends[1].centre).norm(), 1e-9);
+  EXPECT_GT(branch.tangents.front().dot(-ends[0].normal), 1 - 1e-12);
+  EXPECT_GT(branch.tangents.back().dot(ends[1].normal), 1 - 1e-12);
+  for (std::size_t i = 1; i < branch.points.size(); ++i) {  // no folds: forward all along
+    EXPECT_GT((branch.points[i] - branch.points[i - 1]).dot(along), 0);
+  }
+}
+
+TEST(TieEnds, LeavesASkeletonAloneWhoseLumenHasNoEnds) {
+  Skeleton s = gallery::linked(6);
+  const Skeleton before = s;
+  std::vector<std::string> notes;
+  tie_ends(s, {}, notes);
+  EXPECT_EQ(notes.size(), 4u);  // each of its ends becomes a cap, which is told
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    EXPECT_EQ(s.points[i], before.points[i]);
+  }
+}
+
+}  // namespace
+}  // namespace vasohex
