@@ -4,7 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "vasohex/skeleton/clean.h"
+#include "vasohex/core/short_text.h"
 
 namespace vasohex {
 namespace {
