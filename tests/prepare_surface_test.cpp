@@ -219,11 +219,24 @@ TEST(PrepareSurface, RepairsEachFaultWithOneLine) {
                            s.triangles.end());
        },
        "edges in the wall closed"},
+      {"cracks",
+       [](TriSurface& s) {
+         TriSurface soup;
+         for (const auto& corners : s.triangles) {
+           const int first = static_cast<int>(soup.points.size());
+           for (int k = 0; k < 3; ++k) {
+             soup.points.push_back(s.points[corners[k]] + Vec3(1e-4 * (first % 11), 1e-4 * (first % 7), 0));
+           }
+           soup.triangles.push_back({first, first + 1, first + 2});
+         }
+         s = soup;
+       },
+       "across cracks"},
       {"a slit",
        [](TriSurface& s) {  // along a quarter of a ring the triangles above have points of their own
          for (int j = 2; j < 8; ++j) {
            const int p = 10 * kAround + j, q = static_cast<int>(s.points.size());
-           const Vec3 copy = s.points[p] + Vec3(0, 0, 0.01);
+           const Vec3 copy = s.points[p] + Vec3(0, 0, 0.1);
            s.points.push_back(copy);
            for (auto& c : s.triangles) {
              if (std::any_of(c.begin(), c.end(), [&](int i) { return i >= 11 * kAround && i < 12 * kAround; })) {
