@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <random>
 
 #include "errors.h"
 #include "triangle_shapes.h"
+#include "vasohex/surface/read_surface.h"
 #include "vasohex/surface/repair_triangles.h"
 
 namespace vasohex {
@@ -219,11 +221,24 @@ TEST(PrepareSurface, RepairsEachFaultWithOneLine) {
                            s.triangles.end());
        },
        "edges in the wall closed"},
+      {"cracks",
+       [](TriSurface& s) {
+         TriSurface soup;
+         for (const auto& corners : s.triangles) {
+           const int first = static_cast<int>(soup.points.size());
+           for (int k = 0; k < 3; ++k) {
+             soup.points.push_back(s.points[corners[k]] + Vec3(1e-4 * (first % 11), 1e-4 * (first % 7), 0));
+           }
+           soup.triangles.push_back({first, first + 1, first + 2});
+         }
+         s = soup;
+       },
+       "across cracks"},
       {"a slit",
        [](TriSurface& s) {  // along a quarter of a ring the triangles above have points of their own
          for (int j = 2; j < 8; ++j) {
            const int p = 10 * kAround + j, q = static_cast<int>(s.points.size());
-           const Vec3 copy = s.points[p] + Vec3(0, 0, 0.01);
+           const Vec3 copy = s.points[p] + Vec3(0, 0, 0.1);
            s.points.push_back(copy);
            for (auto& c : s.triangles) {
              if (std::any_of(c.begin(), c.end(), [&](int i) { return i >= 11 * kAround && i < 12 * kAround; })) {
@@ -318,6 +333,35 @@ TEST(PrepareSurface, CommutesWithMotion) {
     EXPECT_NEAR((0.01 * (turn * a.ends[e].centre) + Vec3(0.3, -0.2, 0.1) - b.ends[e].centre).norm(), 0, 1e-12);
     EXPECT_NEAR((turn * a.ends[e].normal - b.ends[e].normal).norm(), 0, 1e-10);
     EXPECT_NEAR(0.01 * a.ends[e].radius, b.ends[e].radius, 1e-12);
+  }
+}
+
+/// Published lumens, as dirty as they are. Openings and components as other programs count them.
+TEST(PrepareSurface, FindsTheEndsOfPublishedLumens) {
+  const char* data = std::getenv("VASOHEX_DATA");
+  if (!data) {
+    GTEST_SKIP() << "VASOHEX_DATA is not set";
+  }
+  struct Case {
+    const char* file;
+    std::size_t ends;
+    const char* repair;  ///< one that must be reported
+  };
+  for (const Case& c : {Case{"s02_carotid_stenosis/lumen.stl", 3, "without anything between"},
+                        Case{"s02_carotid_stenosis/leftlumen.stl", 3, "fragment"},
+                        Case{"s02_carotid_stenosis/leftlumen_capped.stl", 3, "flat cap"},
+                        Case{"s08_aneurysm_palabos/aneurysm.stl", 3, ""},
+                        Case{"s08_aneurysm_palabos/aneurysm_marching.stl", 0, "to agree with the neighbours"},
+                        Case{"s11_six_branch_junction/SixBranch.stl", 6, "pointed inward"},
+                        Case{"s11_six_branch_junction/bifurcation_Y.stl", 3, "pointed inward"},
+                        Case{"s12_aortic_arch_gmsh/aorta2.stl", 5, ""}}) {
+    SCOPED_TRACE(c.file);
+    const PreparedSurface p = prepare_surface(read_surface(std::string(data) + "/" + c.file));
+    EXPECT_EQ(p.ends.size(), c.ends);
+    EXPECT_EQ(p.components, 1);
+    expect_manifold(p);
+    EXPECT_GT(volume(p), 0);
+    EXPECT_TRUE(*c.repair == '\0' || mentions(p, c.repair)) << listed(p);
   }
 }
 

@@ -26,6 +26,9 @@ struct Jet {
     gradient = axes.transpose() * Vec3(-hu, -hv, 1);
     return p[2] - h;
   }
+
+  /// Unit, at the origin.
+  Vec3 normal() const { return (axes.transpose() * Vec3(-c[1], -c[2], 1)).normalized(); }
 };
 
 /// Fits a jet at `origin` with tangent plane of `normal` (unit) to `points` by least squares, weighted by the

@@ -1,9 +1,11 @@
 #include "vasohex/surface/refine_triangles.h"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "vasohex/surface/half_edges.h"
+#include "vasohex/surface/point_jets.h"
 #include "vasohex/surface/triangle_surface.h"
 
 namespace vasohex {
@@ -21,6 +23,44 @@ std::vector<char> sharp_points(const TriSurface& surface, const std::vector<Vec3
   return sharp;
 }
 
+/// Where the wall is in the middle of an edge.
+class MiddleOfEdge {
+ public:
+  explicit MiddleOfEdge(const TriSurface& surface)
+      : before_(surface),
+        fits_(before_, angle_weighted_normals(before_)),
+        sharp_(sharp_points(before_, fits_.normals())),
+        known_(before_.points.size()) {}
+
+  /// On the cubic that the normals of both ends make; in the middle of the straight edge if that is further away than
+  /// `furthest`.
+  Vec3 operator()(int a, int b, double furthest) {
+    const Vec3 straight = 0.5 * (before_.points[a] + before_.points[b]);
+    if (sharp_[a] || sharp_[b]) {
+      return straight;
+    }
+    const Vec3 along = before_.points[b] - before_.points[a], na = normal(a), nb = normal(b);
+    const Vec3 bulge = (along.dot(nb) * nb - along.dot(na) * na) / 8;
+    return bulge.norm() < furthest ? Vec3(straight + bulge) : straight;
+  }
+
+ private:
+  /// Of the jet: that of the triangles is not accurate enough.
+  Vec3 normal(int p) {
+    if (!known_[p]) {
+      const Jet jet = fits_.fit(p, 2, space_);
+      known_[p] = jet.degree >= 2 ? jet.normal() : fits_.normals()[p];
+    }
+    return *known_[p];
+  }
+
+  TriSurface before_;
+  PointJets fits_;
+  std::vector<char> sharp_;
+  std::vector<std::optional<Vec3>> known_;
+  PointJets::Space space_;
+};
+
 }  // namespace
 
 void refine_triangles(TriSurface& surface, const std::function<double(const Vec3&)>& radius) {
@@ -28,8 +68,7 @@ void refine_triangles(TriSurface& surface, const std::function<double(const Vec3
     const std::vector<int> opposite = pair_half_edges(surface);
     const int count = static_cast<int>(opposite.size());
     std::vector<int> middle(count, -1);  // the new point of each half-edge
-    std::vector<Vec3> normals;
-    std::vector<char> sharp;
+    std::optional<MiddleOfEdge> on_wall;
     for (int t = 0; t < count / 3; ++t) {
       std::array<double, 3> length{};
       for (int k = 0; k < 3; ++k) {
@@ -41,24 +80,17 @@ void refine_triangles(TriSurface& surface, const std::function<double(const Vec3
       double r = -1;
       for (int k = 0; k < 3; ++k) {
         const int h = 3 * t + k;
-        const Vec3 a = surface.points[start_point(surface, h)], b = surface.points[end_point(surface, h)];
         if (middle[h] >= 0) {
           continue;
         }
-        r = r < 0 ? radius(a) : r;
+        r = r < 0 ? radius(surface.points[start_point(surface, h)]) : r;
         if (!(length[k] > 0.4 * r || (length[k] > 0.2 * r && length[k] > 2 * shortest && length[k] == longest))) {
           continue;
         }
-        if (normals.empty()) {
-          normals = angle_weighted_normals(surface);
-          sharp = sharp_points(surface, normals);
+        if (!on_wall) {
+          on_wall.emplace(surface);
         }
-        const int ia = start_point(surface, h), ib = end_point(surface, h);
-        Vec3 p = 0.5 * (a + b);
-        const Vec3 bulge = ((a - b).dot(normals[ia]) * normals[ia] + (b - a).dot(normals[ib]) * normals[ib]) / 8;
-        if (!sharp[ia] && !sharp[ib] && normals[ia].dot(normals[ib]) > 0.5 && bulge.norm() < 0.1 * r) {
-          p += bulge;
-        }
+        const Vec3 p = (*on_wall)(start_point(surface, h), end_point(surface, h), 0.1 * r);
         middle[h] = static_cast<int>(surface.points.size());
         if (opposite[h] >= 0) {
           middle[opposite[h]] = middle[h];
@@ -66,7 +98,7 @@ void refine_triangles(TriSurface& surface, const std::function<double(const Vec3
         surface.points.push_back(p);
       }
     }
-    if (normals.empty()) {
+    if (!on_wall) {
       return;
     }
     for (int t = 0; t < count / 3; ++t) {

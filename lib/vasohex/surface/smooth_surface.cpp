@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "vasohex/core/parallel.h"
-#include "vasohex/surface/jet.h"
+#include "vasohex/surface/point_jets.h"
 #include "vasohex/surface/refine_triangles.h"
 #include "vasohex/surface/surface_ends.h"
 #include "vasohex/surface/triangle_surface.h"
@@ -90,32 +90,6 @@ class BallTree {
   std::vector<Node> nodes_;
 };
 
-/// Neighbours of each point along edges.
-class Neighbours {
- public:
-  explicit Neighbours(const TriSurface& surface) : first_(surface.points.size() + 1, 0) {
-    std::vector<std::array<int, 2>> pairs;
-    for (const auto& t : surface.triangles) {
-      for (int k = 0; k < 3; ++k) {
-        pairs.push_back({t[k], t[(k + 1) % 3]});
-        pairs.push_back({t[(k + 1) % 3], t[k]});
-      }
-    }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    for (const auto& [a, b] : pairs) {
-      ++first_[a + 1];
-      to_.push_back(b);
-    }
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-  }
-  const int* begin(int p) const { return to_.data() + first_[p]; }
-  const int* end(int p) const { return to_.data() + first_[p + 1]; }
-
- private:
-  std::vector<int> first_, to_;
-};
-
 class JetSurface final : public ImplicitSurface {
  public:
   JetSurface(PreparedSurface refined, const Network& network, const SmoothOptions& options, const Run& run,
@@ -124,16 +98,10 @@ class JetSurface final : public ImplicitSurface {
     const TriSurface& s = facets_.prepared().surface;
     const int n = static_cast<int>(s.points.size());
     report.points = n;
-    const Neighbours neighbours(s);
-    std::vector<double> longest(n, 0), shortest(n, 0);
+    const PointJets fits(s, normals_);
+    std::vector<double> longest(n);
     for (int p = 0; p < n; ++p) {
-      double sum = 0;
-      for (const int* q = neighbours.begin(p); q != neighbours.end(p); ++q) {
-        const double length = (s.points[*q] - s.points[p]).norm();
-        longest[p] = std::max(longest[p], length);
-        sum += length;
-      }
-      shortest[p] = sum / std::max<double>(1, static_cast<double>(neighbours.end(p) - neighbours.begin(p)));
+      longest[p] = fits.longest_edge(p);
     }
     std::vector<Jet> jets(n);
     std::vector<double> balls(n, 0);
@@ -146,16 +114,12 @@ class JetSurface final : public ImplicitSurface {
     }
     const BallTree around(s.points, widest, all);
     parallel_for(run, n, 1024, [&](std::size_t begin, std::size_t end) {
-      std::vector<int> ring, next, members;
-      std::vector<Vec3> points;
-      std::vector<int> stamp(n, -1);
+      PointJets::Space space;
+      std::vector<int> members;
       for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
-        if (normals_[p].isZero()) {
-          continue;
-        }
-        fit(s, neighbours, options, p, shortest[p], ring, next, points, stamp, jets[p]);
+        jets[p] = fits.fit(p, options.rings, space);
         balls[p] = kBall * longest[p];
-        const double gap = gap_to_next_sheet(s, neighbours, around, p, balls[p], longest, members);
+        const double gap = gap_to_next_sheet(s, fits, around, p, balls[p], longest, members);
         if (gap < balls[p]) {
           balls[p] = gap;
           capped[p] = 1;
@@ -171,7 +135,7 @@ class JetSurface final : public ImplicitSurface {
       report.flat += normals_[p].isZero();
       if (jets[p].degree > 0 && balls[p] > 0) {
         with_jet.push_back(p);
-        normals_[p] = jet_normal(jets[p]);
+        normals_[p] = jets[p].normal();
       }
     }
     balls_ = BallTree(s.points, balls, with_jet);
@@ -235,37 +199,8 @@ class JetSurface final : public ImplicitSurface {
   double radius(const Vec3& x) const override { return facets_.radius(x); }
 
  private:
-  static Vec3 jet_normal(const Jet& jet) {
-    return (jet.axes.transpose() * Vec3(-jet.c[1], -jet.c[2], 1)).normalized();
-  }
-
-  void fit(const TriSurface& s, const Neighbours& neighbours, const SmoothOptions& options, int p, double size,
-           std::vector<int>& ring, std::vector<int>& next, std::vector<Vec3>& points, std::vector<int>& stamp,
-           Jet& jet) const {
-    points.assign(1, s.points[p]);
-    stamp[p] = p;
-    ring.assign(1, p);
-    for (int depth = 0; depth < options.rings || (points.size() < 20 && depth < options.rings + 2); ++depth) {
-      next.clear();
-      for (const int q : ring) {
-        for (const int* r = neighbours.begin(q); r != neighbours.end(q); ++r) {
-          if (stamp[*r] == p) {
-            continue;
-          }
-          stamp[*r] = p;
-          if (normals_[*r].dot(normals_[p]) > 0) {  // not around a sharp bend
-            points.push_back(s.points[*r]);
-            next.push_back(*r);
-          }
-        }
-      }
-      ring.swap(next);
-    }
-    jet = fit_jet(s.points[p], normals_[p], size, points);
-  }
-
   /// Distance from p to points that no path within the ball joins to it, less what lies between such points.
-  static double gap_to_next_sheet(const TriSurface& s, const Neighbours& neighbours, const BallTree& around, int p,
+  static double gap_to_next_sheet(const TriSurface& s, const PointJets& fits, const BallTree& around, int p,
                                   double ball, const std::vector<double>& longest, std::vector<int>& members) {
     members.clear();
     const double reach = 1.25 * ball;
@@ -291,7 +226,7 @@ class JetSurface final : public ImplicitSurface {
     while (!stack.empty()) {
       const int q = stack.back();
       stack.pop_back();
-      for (const int* r = neighbours.begin(q); r != neighbours.end(q); ++r) {
+      for (const int* r = fits.neighbours_begin(q); r != fits.neighbours_end(q); ++r) {
         join(*r);
       }
     }

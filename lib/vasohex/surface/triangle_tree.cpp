@@ -25,7 +25,7 @@ ClosestPoint closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, co
     return at(1, 1, 0);
   }
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) {
     return at(3, d1 / (d1 - d3), 0);
   }
   const Vec3 cx = x - c;
@@ -34,15 +34,27 @@ ClosestPoint closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, co
     return at(2, 0, 1);
   }
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) {
     return at(5, 0, d2 / (d2 - d6));
   }
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0) {
     const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
     return at(4, 1 - w, w);
   }
   const double sum = va + vb + vc;
+  if (!(sum > 1e-14 * ab.squaredNorm() * ac.squaredNorm())) {  // without area: one of the edges
+    const auto along = [](const Vec3& edge, const Vec3& to) {
+      const double length2 = edge.squaredNorm();
+      return length2 > 0 ? std::clamp(edge.dot(to) / length2, 0.0, 1.0) : 0.0;
+    };
+    const double s = along(ab, ax), t = along(ac, ax), w = along(c - b, bx);
+    ClosestPoint best = at(3, s, 0);
+    for (const ClosestPoint& candidate : {at(5, 0, t), at(4, 1 - w, w)}) {
+      best = candidate.distance2 < best.distance2 ? candidate : best;
+    }
+    return best;
+  }
   return at(6, vb / sum, vc / sum);
 }
 
