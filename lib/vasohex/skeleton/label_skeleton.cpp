@@ -200,43 +200,45 @@ void centre(const LevelSet& level_set, const std::vector<Node>& nodes, Line& lin
   }
 }
 
-/// Cuts a line at its free end (the last point) where the vessel's section is whole; the plane there.
+/// Cuts a line at its free end (the last point) where the vessel's section is whole; the plane there. The last two
+/// radii, where the line turns to the farthest corner of the blunt end, are traced anew.
 SurfaceEnd cut_end(const LevelSet& level_set, Line& line) {
   const std::vector<double> arc = polyline_length(line.points, false);
   const double length = arc.back();
-  // the vessel's radius near its end, and its direction there, from the part a radius and more away from the tip
   std::vector<double> radii(line.radii.begin() + static_cast<std::ptrdiff_t>(line.radii.size() / 2), line.radii.end());
   std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2), radii.end());
   double radius = radii[radii.size() / 2];
   radius = place_at(line, arc, std::max(length - 2 * radius, 0.5 * length)).radius;
-  const double near = std::max(length - radius, 0.5 * length), far = std::max(near - 1.5 * radius, 0.0);
-  const Vec3 from = place_at(line, arc, near).position;
-  const Vec3 normal = (from - place_at(line, arc, far).position).normalized();
-  double cut = 0, cut_radius = place_at(line, arc, near).radius;
-  for (double t = 0; t < 3 * radius; t += 0.05 * radius) {
-    const auto section = measure_section(level_set, from + t * normal, normal, 3 * radius);
-    if (!section || section->radius < kWholeSection * radius) {
-      break;
-    }
-    cut = t;
-    cut_radius = section->radius;
-  }
+  const double near = std::max(length - 2 * radius, 0.5 * length), far = std::max(near - 1.5 * radius, 0.0);
+  Vec3 x = place_at(line, arc, near).position;
+  Vec3 normal = (x - place_at(line, arc, far).position).normalized();
+  double here = place_at(line, arc, near).radius;
   std::size_t keep = 1;
-  while (keep < arc.size() && arc[keep] < near) {
+  while (keep < arc.size() && arc[keep] < near - 0.5 * kSpacing * radius) {
     ++keep;
   }
   line.points.resize(keep);
   line.radii.resize(keep);
-  // then straight on; the first of these points only if the one before is not too near
-  const int steps = static_cast<int>(std::ceil(cut / (kSpacing * radius)));
-  const double before = (from - line.points.back()).norm();
-  for (int i = steps > 0 && before < 0.5 * kSpacing * radius ? 1 : 0; i <= steps; ++i) {
-    const Vec3 x = from + (steps > 0 ? cut * i / steps : 0) * normal;
-    const auto section = measure_section(level_set, x, normal, 3 * radius);
+  line.points.push_back(x);
+  line.radii.push_back(here);
+  double traced = 0;
+  for (double step = kSpacing * radius; step > 0.05 * radius && traced < 4 * radius;) {
+    Vec3 next = x + step * normal;
+    const auto section = measure_section(level_set, next, normal, 3 * radius);
+    if (!section || section->radius < kWholeSection * radius) {
+      step *= 0.5;
+      continue;
+    }
+    const double longest = 0.25 * step;  // bends of less than about a radius are none
+    next += section->shift.norm() > longest ? Vec3(section->shift.normalized() * longest) : section->shift;
+    normal = (normal + 0.5 * (next - x).normalized()).normalized();
+    x = next;
+    here = section->radius;
+    traced += step;
     line.points.push_back(x);
-    line.radii.push_back(section ? section->radius : cut_radius);
+    line.radii.push_back(here);
   }
-  return {line.points.back(), normal, cut_radius};
+  return {x, normal, here};
 }
 
 int cycles_of(const VoxelGraph& graph) {

@@ -163,7 +163,7 @@ std::vector<std::size_t> vessel_tips(const LabelVolume& volume, const std::vecto
     }
     return i;
   };
-  std::vector<std::size_t> tips;
+  std::vector<std::size_t> tips, roots;
   for (const std::size_t at : by_length) {
     parent[at] = at;
     double radius = -1;
@@ -190,8 +190,18 @@ std::vector<std::size_t> vessel_tips(const LabelVolume& volume, const std::vecto
       parent[b] = a;
     }
     if (away[at] == 0) {
-      tips.push_back(top_of(at));  // the farthest of the component
-      tips.push_back(at);          // and its thickest place, in case it has one end only
+      roots.push_back(at);
+    }
+  }
+  std::unordered_map<std::size_t, int> tips_of;  // by the farthest voxel of a component
+  for (const std::size_t tip : tips) {
+    ++tips_of[top_of(tip)];
+  }
+  for (const std::size_t root : roots) {
+    const std::size_t farthest = top_of(root);
+    tips.push_back(farthest);
+    if (tips_of[farthest] == 0) {
+      tips.push_back(root);  // the farthest is the only end: its thickest place is the other one
     }
   }
   std::sort(tips.begin(), tips.end());

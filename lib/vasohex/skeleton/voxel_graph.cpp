@@ -256,14 +256,18 @@ void prune(const LabelVolume& volume, const std::vector<float>& distances, doubl
       if (spur.beyond < std::max(least_radii * spur.radius, 2 * voxel) && spur.beyond < least) {
         worst = static_cast<int>(c);
         least = spur.beyond;
-        text = "branch at " + place_of(volume, free[1] ? chain.voxels.back() : chain.voxels.front()) +
-               " left out: it sticks out by " + short_text(spur.beyond);
+        const std::size_t tip = free[1] ? chain.voxels.back() : chain.voxels.front();
+        text = spur.beyond < std::max(spur.radius, voxel)
+                   ? ""
+                   : "branch at " + place_of(volume, tip) + " left out: it sticks out by " + short_text(spur.beyond);
       }
     }
     if (worst < 0) {
       return;
     }
-    repairs.push_back(text);
+    if (!text.empty()) {
+      repairs.push_back(text);
+    }
     graph.chains.erase(graph.chains.begin() + worst);
     simplify(graph);
   }
