@@ -1,7 +1,7 @@
 # Sourced by test.sh and demo.sh: need_packages PACKAGE... installs the Debian packages that are missing.
 
 # Debian's, to build the library and the command line
-build_packages=(g++ cmake ninja-build libeigen3-dev libtbb-dev nlohmann-json3-dev libcli11-dev)
+build_packages=(g++ cmake ninja-build libeigen3-dev libtbb-dev libopenmesh-dev nlohmann-json3-dev libcli11-dev)
 
 need_packages() {
   local missing=() package as_root=()

@@ -1,9 +1,10 @@
-// Writes the curved boxes that the Python oracles read: oracle_files FOLDER
+// Writes the curved boxes and the skeleton that the Python oracles read: oracle_files FOLDER
 
 #include <filesystem>
 
 #include "curved_box.h"
 #include "gmsh/write_msh.h"
+#include "vtk/write_vtp.h"
 #include "vtk/write_vtu.h"
 
 int main(int, char** argv) {
@@ -20,4 +21,12 @@ int main(int, char** argv) {
     vasohex::write_vtu(mesh, folder / (name + ".vtu"), scalars);
     vasohex::write_vtu_boundary(mesh, folder / (name + "_boundary.vtu"));
   }
+  // a ring and a branch that leaves it
+  vasohex::Skeleton ring;
+  for (int i = 0; i < 5; ++i) {
+    ring.points.push_back(vasohex::Vec3(i / 3.0, i * i, 0.1));
+    ring.radii.push_back(1 / (i + 3.0));
+  }
+  ring.segments = {{0, 1}, {1, 2}, {2, 0}, {2, 3}, {3, 4}};
+  vasohex::write_vtp(ring, folder / "ring.vtp");
 }

@@ -1,4 +1,4 @@
-"""VTK reads our VTU files, its shape functions must give the map of curved_box.h: vtu_oracle.py ORACLE_FILES"""
+"""VTK reads our VTU and VTP files, its shape functions must give the map of curved_box.h: vtu_oracle.py ORACLE_FILES"""
 import itertools
 import subprocess
 import sys
@@ -6,7 +6,7 @@ import tempfile
 
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import reference
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 CELLS = (2, 1, 3)
 
@@ -15,9 +15,9 @@ def curved_box_point(p, u, v, w):
     return (2 * u + 0.3 * v ** p * w, v + 0.2 * w ** p * u + 0.1 * u ** p, 1.5 * w + 0.25 * u * v ** p)
 
 
-def read(path):
+def read(path, reader_class=vtkXMLUnstructuredGridReader):
     failed = []
-    reader = vtkXMLUnstructuredGridReader()
+    reader = reader_class()
     reader.AddObserver("ErrorEvent", lambda *_: failed.append(1))
     reader.SetFileName(path)
     reader.Update()
@@ -39,6 +39,19 @@ def compare(p, what, x, t):
 
 def positions(e):
     return e % CELLS[0], e // CELLS[0] % CELLS[1], e // CELLS[0] // CELLS[1]
+
+
+def check_skeleton(lines):
+    """The ring of oracle_files.cpp, exact."""
+    points = vtk_to_numpy(lines.GetPoints().GetData())
+    radii = vtk_to_numpy(lines.GetPointData().GetArray("Radius"))
+    assert points.tolist() == [[i / 3.0, i * i, 0.1] for i in range(5)], points
+    assert radii.tolist() == [1 / (i + 3.0) for i in range(5)], radii
+    chains = [[cell.GetPointId(k) for k in range(cell.GetNumberOfPoints())]
+              for cell in (lines.GetCell(c) for c in range(lines.GetNumberOfCells()))]
+    edges = sorted(tuple(sorted(e)) for chain in chains for e in zip(chain, chain[1:]))
+    assert len(chains) == 2 and edges == [(0, 1), (0, 2), (1, 2), (2, 3), (3, 4)], chains
+    assert vtk_to_numpy(lines.GetCellData().GetArray("branch")).tolist() == [0, 1]
 
 
 SAMPLES = (0.0, 0.3, 0.85)
@@ -86,6 +99,7 @@ def main():
             grid = read(f"{folder}/p{p}.vtu")
             check_volume(p, grid)
             check_boundary(p, read(f"{folder}/p{p}_boundary.vtu"), vtk_to_numpy(grid.GetPoints().GetData()))
+        check_skeleton(read(f"{folder}/ring.vtp", vtkXMLPolyDataReader))
 
 
 main()

@@ -27,7 +27,7 @@ install(FILES adapters/gmsh/write_msh.h adapters/gmsh/node_order.h
 if(VASOHEX_GMSH)
   install(FILES adapters/gmsh/read_msh.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/gmsh)
 endif()
-install(FILES adapters/vtk/write_vtu.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/vtk)
+install(FILES adapters/vtk/write_vtu.h adapters/vtk/write_vtp.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/vtk)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/vasohexConfig.cmake.in
