@@ -31,6 +31,11 @@ void run_blocks(BlocksCommand& c, Common& common) {
   check_outputs(c.input.files(), c.outputs);
   const Run run = common.run();
   const Loaded loaded = load(c.input, run);
+  for (const std::string& output : c.outputs) {
+    if (loaded.lumen && extension(output) == ".json") {
+      usage("output " + output + ": a block file makes its surface from the network, which a given lumen is not; use .vtu");
+    }
+  }
   // one element of the blocks' own degree each: what a viewer can show of them
   c.options.grading.elements = 1;
   c.options.mesh.order = 4;

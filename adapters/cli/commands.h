@@ -31,6 +31,7 @@ struct Common {
 void add_mesh_command(CLI::App& app, Common& common);
 void add_check_command(CLI::App& app, Common& common);
 void add_info_command(CLI::App& app, Common& common);
+void add_skeleton_command(CLI::App& app, Common& common);
 void add_blocks_command(CLI::App& app, Common& common);
 
 /// A duration in seconds since the call.

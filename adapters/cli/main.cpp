@@ -91,6 +91,7 @@ int main(int argc, char** argv) {
   add_mesh_command(app, common);
   add_check_command(app, common);
   add_info_command(app, common);
+  add_skeleton_command(app, common);
   add_blocks_command(app, common);
   try {
     app.parse(argc, argv);

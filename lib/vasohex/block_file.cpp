@@ -79,6 +79,7 @@ Json json_of(const Network& network) {
                      {"degree", n.degree},
                      {"point", n.point},
                      {"seam", n.seam},
+                     {"blind", n.blind},
                      {"name", n.name}});
   }
   Json& branches = j["branches"] = Json::array();
@@ -209,7 +210,7 @@ Network network_of(const JsonPlace& j) {
   for (std::size_t i = 0; i < nodes.size("an array of nodes"); ++i) {
     const JsonPlace n = nodes[i];
     network.nodes.push_back({vec3_of(n["position"]), n["radius"].positive(), n["degree"].integer(0, INT32_MAX),
-                             n["point"].integer(-1, INT32_MAX), n["seam"].boolean(), n["name"].text()});
+                             n["point"].integer(-1, INT32_MAX), n["seam"].boolean(), n["blind"].boolean(), n["name"].text()});
   }
   const JsonPlace branches = j["branches"];
   for (std::size_t i = 0; i < branches.size("an array of branches"); ++i) {
