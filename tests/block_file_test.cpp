@@ -85,7 +85,7 @@ void expect_same(const BlockFile& a, const BlockFile& b) {
   for (std::size_t i = 0; i < a.network.nodes.size(); ++i) {
     const NetworkNode &n = a.network.nodes[i], &m = b.network.nodes[i];
     EXPECT_TRUE(n.position == m.position && n.radius == m.radius && n.degree == m.degree && n.point == m.point &&
-                n.seam == m.seam && n.name == m.name);
+                n.seam == m.seam && n.blind == m.blind && n.name == m.name);
   }
   ASSERT_EQ(a.network.branches.size(), b.network.branches.size());
   for (std::size_t i = 0; i < a.network.branches.size(); ++i) {
@@ -199,6 +199,24 @@ TEST_F(Files, PartsOfAllRanksAreTheWhole) {
   }
 }
 
+TEST_F(Files, OfLumensNeedTheirSurface) {
+  const SkeletonMeshOptions options = options_of(2, 2);
+  const BlockFile file = block_file(mesh_skeleton(gallery::linked(6), options), options);
+  BlockFile without = file;
+  without.surface.reset();
+  write_block_file(without, path("a.json"));
+  without = read_block_file(path("a.json"));
+  EXPECT_FALSE(without.surface);
+  EXPECT_NE(error_of([&] { mesh_blocks(without, without.grading, options.mesh); }).find("surface"),
+            std::string::npos);
+  const HexMesh wanted = mesh_blocks(file, file.grading, options.mesh).mesh;
+  const HexMesh mesh = mesh_blocks(without, without.grading, options.mesh, {}, make_surface(file)).mesh;
+  ASSERT_EQ(mesh.nodes.size(), wanted.nodes.size());
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    ASSERT_EQ(mesh.nodes[i], wanted.nodes[i]);
+  }
+}
+
 TEST_F(Files, MoreRanksThanElementsAreRefused) {
   const SkeletonMeshOptions options = options_of(1, 1);
   const BlockFile file = block_file(mesh_skeleton(gallery::tube(4, 1), options), options);
@@ -255,7 +273,7 @@ TEST_F(Files, BadOnesAreRefusedWithTheirPlace) {
   bad("/grading/elements", 0, "grading.elements");
   bad("/units", 5, "units is 5");
   for (const auto& [key, value] : good.items()) {
-    if (key != "control_points" && key != "sheets") {
+    if (key != "control_points" && key != "sheets" && key != "surface") {
       nlohmann::json j = good;
       j.erase(key);
       EXPECT_NE(message_of(j.dump()).find("key '" + key + "' is missing"), std::string::npos) << key;

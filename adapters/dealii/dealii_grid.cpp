@@ -58,12 +58,12 @@ DealiiGrid::DealiiGrid(const BlockStructure& blocks, std::shared_ptr<const Impli
 DealiiGrid::DealiiGrid(const BlockFile& file) : DealiiGrid(file.blocks, make_surface(file)) {}
 
 DealiiGrid::DealiiGrid(const BlockFile& file, const Grading& grading, const MeshOptions& options,
-                       MPI_Comm communicator) {
+                       MPI_Comm communicator, std::shared_ptr<const ImplicitSurface> lumen) {
   Run run;
   run.threads = 1;  // one rank, one core
   MeshPart part =
       mesh_part(file, grading, options, static_cast<int>(dealii::Utilities::MPI::this_mpi_process(communicator)),
-                static_cast<int>(dealii::Utilities::MPI::n_mpi_processes(communicator)), run);
+                static_cast<int>(dealii::Utilities::MPI::n_mpi_processes(communicator)), run, std::move(lumen));
   data_ =
       std::make_shared<const Data>(Data{CoarseCells(std::move(part.result.mesh)), mesh_info(block_mesh(file.blocks)),
                                         std::move(part.ids), std::move(part.owner)});

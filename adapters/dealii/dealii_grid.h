@@ -46,8 +46,9 @@ class DealiiGrid {
 
   /// One rank's part of the mesh that mesh_blocks would make, and its neighbours: for parallel::fullydistributed,
   /// where no rank holds more. Equal on all ranks: file, grading, options. No communication. info() is that of the
-  /// blocks.
-  DealiiGrid(const BlockFile& file, const Grading& grading, const MeshOptions& options, MPI_Comm communicator);
+  /// blocks. `lumen` as of mesh_blocks.
+  DealiiGrid(const BlockFile& file, const Grading& grading, const MeshOptions& options, MPI_Comm communicator,
+             std::shared_ptr<const ImplicitSurface> lumen = nullptr);
 
   /// Fills an empty triangulation: dealii::Triangulation, parallel::shared, parallel::distributed (p4est) or
   /// parallel::fullydistributed; for the last one the cells are dealt out to the ranks in contiguous ranges.

@@ -210,7 +210,8 @@ Network network_of(const JsonPlace& j) {
   for (std::size_t i = 0; i < nodes.size("an array of nodes"); ++i) {
     const JsonPlace n = nodes[i];
     network.nodes.push_back({vec3_of(n["position"]), n["radius"].positive(), n["degree"].integer(0, INT32_MAX),
-                             n["point"].integer(-1, INT32_MAX), n["seam"].boolean(), n["blind"].boolean(), n["name"].text()});
+                             n["point"].integer(-1, INT32_MAX), n["seam"].boolean(), n["blind"].boolean(),
+                             n["name"].text()});
   }
   const JsonPlace branches = j["branches"];
   for (std::size_t i = 0; i < branches.size("an array of branches"); ++i) {
@@ -373,7 +374,11 @@ void check_conforming(const BlockStructure& b) {
 }  // namespace
 
 BlockFile block_file(const SkeletonMesh& mesh, const SkeletonMeshOptions& options) {
-  return {mesh.network, options.surface, mesh.blocks, options.grading};
+  BlockFile file{mesh.network, {}, mesh.blocks, options.grading};
+  if (mesh.surface->is_round()) {  // otherwise it is not made of the network
+    file.surface = options.surface;
+  }
+  return file;
 }
 
 void write_block_file(const BlockFile& file, const std::string& path) {
@@ -386,7 +391,9 @@ void write_block_file(const BlockFile& file, const std::string& path) {
     j["vertex_count"] = file.blocks.vertex_count;
     add_blocks(j, file.blocks);
     j["network"] = json_of(file.network);
-    j["surface"] = {{"calibration_passes", file.surface.calibration_passes}};
+    if (file.surface) {
+      j["surface"] = {{"calibration_passes", file.surface->calibration_passes}};
+    }
     j["grading"] = json_of(file.grading);
     Json& sheets = j["sheets"] = Json::array();  // names, for those who look for one
     for (const Sheet& s :
@@ -420,7 +427,9 @@ BlockFile read_block_file(const std::string& path) {
     }
     BlockFile file;
     file.network = network_of(j["network"]);
-    file.surface.calibration_passes = j["surface"]["calibration_passes"].integer(0, 100);
+    if (j.has("surface")) {
+      file.surface = ConvolutionOptions{j["surface"]["calibration_passes"].integer(0, 100)};
+    }
     file.blocks = blocks_of(j, file.network);
     file.blocks.units = file.network.units = j["units"].text();
     file.grading = grading_of(j["grading"]);
@@ -429,14 +438,20 @@ BlockFile read_block_file(const std::string& path) {
   });
 }
 
-std::unique_ptr<ImplicitSurface> make_surface(const BlockFile& file, const Run& run) {
+std::shared_ptr<const ImplicitSurface> make_surface(const BlockFile& file, const Run& run) {
+  if (!file.surface) {
+    throw Error(
+        ErrorCode::bad_input,
+        "the blocks are those of a given lumen, whose surface is not in the block file: it must be given too");
+  }
   const OwnFrame frame = own_frame(file.network);
-  return std::make_unique<MovedSurface>(make_convolution_surface(in_frame(file.network, frame), file.surface, run),
+  return std::make_shared<MovedSurface>(make_convolution_surface(in_frame(file.network, frame), *file.surface, run),
                                         frame);
 }
 
-MeshResult mesh_blocks(const BlockFile& file, const Grading& grading, const MeshOptions& options, const Run& run) {
-  return std::move(mesh_part(file, grading, options, 0, 1, run).result);
+MeshResult mesh_blocks(const BlockFile& file, const Grading& grading, const MeshOptions& options, const Run& run,
+                       std::shared_ptr<const ImplicitSurface> lumen) {
+  return std::move(mesh_part(file, grading, options, 0, 1, run, std::move(lumen)).result);
 }
 
 }  // namespace vasohex

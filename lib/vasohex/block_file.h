@@ -1,16 +1,20 @@
 #pragma once
 /// \file The block file: a few numbers from which any mesh of a network can be made anywhere.
 
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "vasohex/vasohex.h"
 
 namespace vasohex {
 
-/// What meshes of a skeleton's network are made of, whatever their order, grading and nodes.
+/// What meshes of a network are made of, whatever their order, grading and nodes.
 struct BlockFile {
-  Network network;  ///< without its repairs; the surface is that of this network
-  ConvolutionOptions surface;
+  Network network;  ///< without its repairs
+  /// How the network's surface is made. None: the blocks are those of a given lumen, whose surface is not in the
+  /// file.
+  std::optional<ConvolutionOptions> surface;
   BlockStructure blocks;
   Grading grading;  ///< unless another one is asked for
 };
@@ -27,12 +31,14 @@ void write_block_file(const BlockFile& file, const std::string& path);
 /// or wrong values, blocks that do not conform, a boundary that is not theirs.
 BlockFile read_block_file(const std::string& path);
 
-/// The surface of the network, in the frame of the file.
-std::unique_ptr<ImplicitSurface> make_surface(const BlockFile& file, const Run& run = {});
+/// The surface of the network, where the network lies. Throws Error(bad_input) if the blocks are those of a given
+/// lumen.
+std::shared_ptr<const ImplicitSurface> make_surface(const BlockFile& file, const Run& run = {});
 
-/// The mesh of the blocks, as mesh_skeleton makes it: to rounding (1e-13 radii), since the blocks were moved out of
-/// the network's own frame and back.
-MeshResult mesh_blocks(const BlockFile& file, const Grading& grading, const MeshOptions& options,
-                       const Run& run = {});
+/// The mesh of the blocks, as mesh_skeleton or mesh_lumen makes it: to rounding (1e-13 radii), since the blocks were
+/// moved out of the network's own frame and back. \param lumen the given lumen's surface; null: that of the network,
+/// Error(bad_input) if the file has none.
+MeshResult mesh_blocks(const BlockFile& file, const Grading& grading, const MeshOptions& options, const Run& run = {},
+                       std::shared_ptr<const ImplicitSurface> lumen = nullptr);
 
 }  // namespace vasohex

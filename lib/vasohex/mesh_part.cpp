@@ -4,9 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "vasohex/core/error.h"
 #include "vasohex/blocks/move_blocks.h"
+#include "vasohex/core/error.h"
 #include "vasohex/skeleton/own_frame.h"
+#include "vasohex/surface/moved_surface.h"
 
 namespace vasohex {
 namespace {
@@ -189,7 +190,7 @@ void keep_neighbourhood(MeshPart& part, const std::vector<std::int64_t>& ids, in
 }  // namespace
 
 MeshPart mesh_part(const BlockFile& file, const Grading& asked, const MeshOptions& options, int rank, int ranks,
-                   const Run& run) {
+                   const Run& run, std::shared_ptr<const ImplicitSurface> lumen) {
   // as mesh_skeleton: in the network's own frame
   const OwnFrame frame = own_frame(file.network);
   Grading grading = asked;
@@ -219,8 +220,11 @@ MeshPart mesh_part(const BlockFile& file, const Grading& asked, const MeshOption
   }
   SomeBlocks some = choose(file.blocks, topology, sheets, with_neighbours(topology, with_neighbours(topology, own)));
   move_inward(some.blocks, frame);
-  const auto surface = make_convolution_surface(in_frame(file.network, frame), file.surface, run);
-  part.result = generate_mesh(some.blocks, some.topology, some.sheets, *surface, options, run);
+  if (!lumen) {
+    lumen = make_surface(file, run);
+  }
+  const MovedSurface surface(std::move(lumen), frame.inverse());
+  part.result = generate_mesh(some.blocks, some.topology, some.sheets, surface, options, run);
   HexMesh& mesh = part.result.mesh;
   for (Vec3& p : mesh.nodes) {
     p = frame.outward(p);

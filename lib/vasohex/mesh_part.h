@@ -24,8 +24,9 @@ constexpr int owner_of(std::int64_t i, std::int64_t count, int ranks) {
 
 /// Makes the blocks that hold this rank's elements, their neighbours, and the neighbours of those: only then every
 /// node of a neighbour is made by the same block as in the whole mesh, and the parts fit to the last bit. Throws
-/// Error(bad_input) as grade and generate_mesh do, and if there are more ranks than elements.
+/// Error(bad_input) as grade, generate_mesh and make_surface do, and if there are more ranks than elements. `lumen`
+/// as of mesh_blocks.
 MeshPart mesh_part(const BlockFile& file, const Grading& grading, const MeshOptions& options, int rank, int ranks,
-                   const Run& run = {});
+                   const Run& run = {}, std::shared_ptr<const ImplicitSurface> lumen = nullptr);
 
 }  // namespace vasohex
