@@ -7,6 +7,7 @@
 
 #include "vasohex/core/parallel.h"
 #include "vasohex/surface/point_jets.h"
+#include "vasohex/surface/project.h"
 #include "vasohex/surface/refine_triangles.h"
 #include "vasohex/surface/surface_ends.h"
 #include "vasohex/surface/triangle_surface.h"
@@ -46,9 +47,6 @@ class BallTree {
       ++i;
     }
   }
-
-  /// The order of the balls in the leaves.
-  const std::vector<int>& order() const { return balls_; }
 
  private:
   struct Node {
@@ -302,8 +300,12 @@ void measure_deviation(const TriSurface& facets, const ImplicitSurface& surface,
       const double radius = surface.radius((a + b + c) / 3);
       for (const Vec3& x : {Vec3((a + b + c) / 3), Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)}) {
         Vec3 gradient;
-        const double value = std::abs(surface.value(x, gradient));
-        const double deviation = value / std::max(gradient.norm(), 0.1) / radius;
+        const double value = std::abs(surface.value(x, gradient)), slope = gradient.norm();
+        double deviation = value / std::max(slope, 0.1) / radius;
+        if (slope < 0.7) {  // at a fold: the first-order distance says little
+          const Projection on_wall = project(surface, x);
+          deviation = on_wall.converged ? (on_wall.point - x).norm() / radius : deviation;
+        }
         sum.sum += area * deviation;
         sum.area += area;
         if (deviation > sum.max) {
