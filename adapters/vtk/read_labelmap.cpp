@@ -48,7 +48,8 @@ vtkStandardNewMacro(MessageKeeper);
 class Silence {
  public:
   Silence()
-      : window_(vtkOutputWindow::GetInstance()), cerr_(std::cerr.rdbuf(printed_.rdbuf())),
+      : window_(vtkOutputWindow::GetInstance()),
+        cerr_(std::cerr.rdbuf(printed_.rdbuf())),
         cout_(std::cout.rdbuf(printed_.rdbuf())) {
     vtkOutputWindow::SetInstance(keeper_);
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
@@ -82,7 +83,9 @@ class Silence {
 };
 
 VoxelType type_of(vtkDataArray& voxels) {
-  const auto integer = [&](VoxelType plain, VoxelType positive, double least) { return least < 0 ? plain : positive; };
+  const auto integer = [&](VoxelType plain, VoxelType positive, double least) {
+    return least < 0 ? plain : positive;
+  };
   const double least = voxels.GetDataTypeMin();
   switch (voxels.GetDataType()) {
     case VTK_FLOAT:
@@ -272,7 +275,8 @@ LabelVolume read(const std::string& path, const std::vector<int>& labels) {
   if (ends_with(".mha") || ends_with(".mhd")) {
     const std::string dimensions = meta_field(path, {"NDims"});
     if (dimensions != "3") {
-      fail(dimensions.empty() ? "not MetaImage: it has no NDims" : "it has " + dimensions + " dimensions, must have 3");
+      fail(dimensions.empty() ? "not MetaImage: it has no NDims"
+                              : "it has " + dimensions + " dimensions, must have 3");
     }
     vtkNew<vtkMetaImageReader> reader;
     reader->SetFileName(path.c_str());
