@@ -27,7 +27,9 @@ namespace {
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::bad_input, what); }
 
 VoxelType type_of(vtkDataArray& voxels) {
-  const auto integer = [&](VoxelType plain, VoxelType positive, double least) { return least < 0 ? plain : positive; };
+  const auto integer = [&](VoxelType plain, VoxelType positive, double least) {
+    return least < 0 ? plain : positive;
+  };
   const double least = voxels.GetDataTypeMin();
   switch (voxels.GetDataType()) {
     case VTK_FLOAT:
@@ -217,7 +219,8 @@ LabelVolume read(const std::string& path, const std::vector<int>& labels) {
   if (ends_with(".mha") || ends_with(".mhd")) {
     const std::string dimensions = meta_field(path, {"NDims"});
     if (dimensions != "3") {
-      fail(dimensions.empty() ? "not MetaImage: it has no NDims" : "it has " + dimensions + " dimensions, must have 3");
+      fail(dimensions.empty() ? "not MetaImage: it has no NDims"
+                              : "it has " + dimensions + " dimensions, must have 3");
     }
     vtkNew<vtkMetaImageReader> reader;
     reader->SetFileName(path.c_str());

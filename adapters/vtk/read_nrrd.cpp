@@ -75,7 +75,8 @@ Header parse_header(const std::string& text) {
 
 /// The numbers in a text, whatever brackets and commas are between them; `none` counts as three times NaN.
 std::vector<double> numbers(std::string text, const std::string& field) {
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
   std::istringstream words(text);
   std::vector<double> result;
   for (std::string word; words >> word;) {
@@ -95,23 +96,40 @@ std::vector<double> numbers(std::string text, const std::string& field) {
 
 VoxelType type_of(const std::string& name) {
   static const std::map<std::string, VoxelType> types = {
-      {"signed char", VoxelType::int8},        {"int8", VoxelType::int8},
-      {"int8_t", VoxelType::int8},             {"uchar", VoxelType::uint8},
-      {"unsigned char", VoxelType::uint8},     {"uint8", VoxelType::uint8},
-      {"uint8_t", VoxelType::uint8},           {"short", VoxelType::int16},
-      {"short int", VoxelType::int16},         {"signed short", VoxelType::int16},
-      {"int16", VoxelType::int16},             {"int16_t", VoxelType::int16},
-      {"ushort", VoxelType::uint16},           {"unsigned short", VoxelType::uint16},
-      {"unsigned short int", VoxelType::uint16}, {"uint16", VoxelType::uint16},
-      {"uint16_t", VoxelType::uint16},         {"int", VoxelType::int32},
-      {"signed int", VoxelType::int32},        {"int32", VoxelType::int32},
-      {"int32_t", VoxelType::int32},           {"uint", VoxelType::uint32},
-      {"unsigned int", VoxelType::uint32},     {"uint32", VoxelType::uint32},
-      {"uint32_t", VoxelType::uint32},         {"longlong", VoxelType::int64},
-      {"long long", VoxelType::int64},         {"int64", VoxelType::int64},
-      {"int64_t", VoxelType::int64},           {"ulonglong", VoxelType::uint64},
-      {"unsigned long long", VoxelType::uint64}, {"uint64", VoxelType::uint64},
-      {"uint64_t", VoxelType::uint64},         {"float", VoxelType::float32},
+      {"signed char", VoxelType::int8},
+      {"int8", VoxelType::int8},
+      {"int8_t", VoxelType::int8},
+      {"uchar", VoxelType::uint8},
+      {"unsigned char", VoxelType::uint8},
+      {"uint8", VoxelType::uint8},
+      {"uint8_t", VoxelType::uint8},
+      {"short", VoxelType::int16},
+      {"short int", VoxelType::int16},
+      {"signed short", VoxelType::int16},
+      {"int16", VoxelType::int16},
+      {"int16_t", VoxelType::int16},
+      {"ushort", VoxelType::uint16},
+      {"unsigned short", VoxelType::uint16},
+      {"unsigned short int", VoxelType::uint16},
+      {"uint16", VoxelType::uint16},
+      {"uint16_t", VoxelType::uint16},
+      {"int", VoxelType::int32},
+      {"signed int", VoxelType::int32},
+      {"int32", VoxelType::int32},
+      {"int32_t", VoxelType::int32},
+      {"uint", VoxelType::uint32},
+      {"unsigned int", VoxelType::uint32},
+      {"uint32", VoxelType::uint32},
+      {"uint32_t", VoxelType::uint32},
+      {"longlong", VoxelType::int64},
+      {"long long", VoxelType::int64},
+      {"int64", VoxelType::int64},
+      {"int64_t", VoxelType::int64},
+      {"ulonglong", VoxelType::uint64},
+      {"unsigned long long", VoxelType::uint64},
+      {"uint64", VoxelType::uint64},
+      {"uint64_t", VoxelType::uint64},
+      {"float", VoxelType::float32},
       {"double", VoxelType::float64},
   };
   const auto found = types.find(lower(name));

@@ -15,8 +15,8 @@
 namespace vasohex {
 namespace {
 
-constexpr double kLeastTip = 1.0;   // what sticks out by more than this many radii of the lumen may be a vessel
-constexpr double kSpacing = 0.4;    // radii between points
+constexpr double kLeastTip = 1.0;  // what sticks out by more than this many radii of the lumen may be a vessel
+constexpr double kSpacing = 0.4;   // radii between points
 constexpr int kCentrings = 8;
 constexpr double kWholeSection = 0.9;  // radius of an end's section over that of its vessel
 
@@ -205,7 +205,8 @@ void centre(const LevelSet& level_set, const std::vector<Node>& nodes, Line& lin
 SurfaceEnd cut_end(const LevelSet& level_set, Line& line) {
   const std::vector<double> arc = polyline_length(line.points, false);
   const double length = arc.back();
-  std::vector<double> radii(line.radii.begin() + static_cast<std::ptrdiff_t>(line.radii.size() / 2), line.radii.end());
+  std::vector<double> radii(line.radii.begin() + static_cast<std::ptrdiff_t>(line.radii.size() / 2),
+                            line.radii.end());
   std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2), radii.end());
   double radius = radii[radii.size() / 2];
   radius = place_at(line, arc, std::max(length - 2 * radius, 0.5 * length)).radius;

@@ -22,15 +22,16 @@ struct LabelSkeletonOptions {
 
 struct LabelSkeleton {
   Skeleton skeleton;
-  /// Where vessels are cut, one for each end of the skeleton: the plane normal to the axis, so far inside the vessel's
-  /// blunt end that its section is whole.
+  /// Where vessels are cut, one for each end of the skeleton: the plane normal to the axis, so far inside the
+  /// vessel's blunt end that its section is whole.
   std::vector<SurfaceEnd> ends;
   std::vector<int> end_points;  ///< [end] the point of the skeleton
   /// The smooth wall (make_level_set), of what is not left out.
   std::shared_ptr<const LevelSet> level_set;
-  int components = 0;                ///< of the lumen, 26-connected, without what was left out
-  int tunnels = 0;                   ///< holes through it; cycles of the skeleton, but for those of about one voxel
-  std::vector<std::string> repairs;  ///< what was changed in the segmentation or left out of the skeleton, one line each
+  int components = 0;  ///< of the lumen, 26-connected, without what was left out
+  int tunnels = 0;     ///< holes through it; cycles of the skeleton, but for those of about one voxel
+  std::vector<std::string>
+      repairs;  ///< what was changed in the segmentation or left out of the skeleton, one line each
 };
 
 /// The middle lines of the vessels in a segmentation, by thinning without a change of topology towards the tips of

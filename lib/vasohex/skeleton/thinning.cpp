@@ -62,8 +62,8 @@ struct Steps {
   explicit Steps(const LabelVolume& volume) {
     for (int n = 0; n < 27; ++n) {
       const int a = n % 3 - 1, b = n / 3 % 3 - 1, c = n / 9 - 1;
-      offset[n] = a + static_cast<std::ptrdiff_t>(volume.size[0]) *
-                          (b + static_cast<std::ptrdiff_t>(volume.size[1]) * c);
+      offset[n] =
+          a + static_cast<std::ptrdiff_t>(volume.size[0]) * (b + static_cast<std::ptrdiff_t>(volume.size[1]) * c);
       length[n] = volume.spacing.cwiseProduct(Vec3(a, b, c)).norm();
     }
   }
@@ -78,7 +78,8 @@ std::uint32_t neighbourhood(const std::vector<std::uint8_t>& inside, const Steps
 }
 
 /// The radius of the ball that fills the lumen around a voxel: deeper as long as the ball there still reaches it.
-double local_radius(const LabelVolume& volume, const std::vector<float>& distances, const Steps& steps, std::size_t from) {
+double local_radius(const LabelVolume& volume, const std::vector<float>& distances, const Steps& steps,
+                    std::size_t from) {
   std::size_t at = from;
   const Vec3 start = volume.centre(from);
   while (true) {
@@ -151,7 +152,8 @@ std::vector<std::size_t> vessel_tips(const LabelVolume& volume, const std::vecto
       }
     }
   }
-  // From the farthest voxels inwards: where two parts meet, the shorter one ends. It is a vessel if it is long enough.
+  // From the farthest voxels inwards: where two parts meet, the shorter one ends. It is a vessel if it is long
+  // enough.
   std::vector<std::size_t> by_length = voxels;
   std::stable_sort(by_length.begin(), by_length.end(),
                    [&](std::size_t a, std::size_t b) { return away[a] > away[b]; });
@@ -163,7 +165,7 @@ std::vector<std::size_t> vessel_tips(const LabelVolume& volume, const std::vecto
     }
     return i;
   };
-  std::vector<std::size_t> tips, roots;
+  std::vector<std::size_t> tips;
   for (const std::size_t at : by_length) {
     parent[at] = at;
     double radius = -1;
@@ -190,18 +192,8 @@ std::vector<std::size_t> vessel_tips(const LabelVolume& volume, const std::vecto
       parent[b] = a;
     }
     if (away[at] == 0) {
-      roots.push_back(at);
-    }
-  }
-  std::unordered_map<std::size_t, int> tips_of;  // by the farthest voxel of a component
-  for (const std::size_t tip : tips) {
-    ++tips_of[top_of(tip)];
-  }
-  for (const std::size_t root : roots) {
-    const std::size_t farthest = top_of(root);
-    tips.push_back(farthest);
-    if (tips_of[farthest] == 0) {
-      tips.push_back(root);  // the farthest is the only end: its thickest place is the other one
+      tips.push_back(top_of(at));  // the farthest of the component
+      tips.push_back(at);          // its thickest place: a wide blunt end next to it does not stick out enough
     }
   }
   std::sort(tips.begin(), tips.end());

@@ -17,9 +17,9 @@ namespace vasohex {
 /// G. Malandain, "A new characterization of three-dimensional simple points" (1994).
 bool is_simple(std::uint32_t neighbourhood);
 
-/// The tips of vessels: voxels farthest from the thickest place of their component, by ways through the lumen, one for
-/// every part that sticks out by more than `least_radii` times the radius of the lumen where it starts. Ascending.
-/// `distances`: signed_centre_distances of the volume. At least one tip per component.
+/// The tips of vessels: voxels farthest from the thickest place of their component, by ways through the lumen, one
+/// for every part that sticks out by more than `least_radii` times the radius of the lumen where it starts.
+/// Ascending. Also the thickest place. `distances`: signed_centre_distances of the volume.
 std::vector<std::size_t> vessel_tips(const LabelVolume& volume, const std::vector<float>& distances,
                                      double least_radii);
 

@@ -56,7 +56,7 @@ std::vector<int> degrees(const VoxelGraph& graph) {
   return degree;
 }
 
-/// How far a chain sticks out of the ball around its node, and its own radius out there.
+/// How far a chain sticks out of the ball around its node, and its own largest radius out there.
 struct Spur {
   double beyond = 0;  ///< length
   double radius = 0;
@@ -68,17 +68,14 @@ Spur spur_of(const LabelVolume& volume, const std::vector<float>& distances, con
   }
   const double ball = -distances[voxels.front()];
   const Vec3 centre = volume.centre(voxels.front());
-  std::vector<float> radii;
+  Spur spur;
+  const double away = (volume.centre(voxels.back()) - centre).norm();
+  // a tip within the ball is no vessel, however deep in the lumen it lies (the thickest place of a component)
+  spur.beyond = away < ball ? away - ball : length_of(volume, chain) - distances[voxels.back()] - ball;
   for (const std::size_t v : voxels) {
     if ((volume.centre(v) - centre).norm() > ball) {
-      radii.push_back(-distances[v]);
+      spur.radius = std::max<double>(spur.radius, -distances[v]);
     }
-  }
-  Spur spur;
-  spur.beyond = length_of(volume, chain) - distances[voxels.back()] - ball;
-  if (!radii.empty()) {
-    std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2), radii.end());
-    spur.radius = radii[radii.size() / 2];
   }
   return spur;
 }

@@ -27,8 +27,9 @@ struct VoxelGraph {
 VoxelGraph voxel_graph(const LabelVolume& volume, const std::vector<std::size_t>& voxels);
 
 /// Leaves out chains with a free end that stick out of the lumen around their other end by less than `least_radii` of
-/// their own radius or two voxels, the shortest first, and joins chains that go on in each other; also pieces that are
-/// not longer than wide. One line to `repairs` for each that sticks out by more than its radius. `distances`: signed_centre_distances of the volume.
+/// their own radius or two voxels, the shortest first, and joins chains that go on in each other; also pieces that
+/// are not longer than wide. One line to `repairs` for each that sticks out by more than its radius. `distances`:
+/// signed_centre_distances of the volume.
 void prune(const LabelVolume& volume, const std::vector<float>& distances, double least_radii, VoxelGraph& graph,
            std::vector<std::string>& repairs);
 

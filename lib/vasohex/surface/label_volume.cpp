@@ -79,7 +79,8 @@ void check(const LabelVolume& volume) {
   std::size_t count = 1;
   for (int d = 0; d < 3; ++d) {
     if (volume.size[d] < 1) {
-      fail("the volume has " + std::to_string(volume.size[d]) + " voxels along " + "ijk"[d] + ", must have at least 1");
+      fail("the volume has " + std::to_string(volume.size[d]) + " voxels along " + "ijk"[d] +
+           ", must have at least 1");
     }
     count *= volume.size[d];
     if (!(volume.spacing[d] > 0) || !std::isfinite(volume.spacing[d])) {
@@ -123,7 +124,8 @@ LabelVolume cropped(const LabelVolume& volume, int margin) {
     }
   }
   LabelVolume result = volume;
-  result.origin = volume.to_world(volume.spacing.cwiseProduct(Vec3(low[0] - margin, low[1] - margin, low[2] - margin)));
+  result.origin =
+      volume.to_world(volume.spacing.cwiseProduct(Vec3(low[0] - margin, low[1] - margin, low[2] - margin)));
   for (int d = 0; d < 3; ++d) {
     result.size[d] = high[d] - low[d] + 1 + 2 * margin;
   }

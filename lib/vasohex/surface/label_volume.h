@@ -12,12 +12,12 @@ namespace vasohex {
 
 /// Voxels on a lattice with orthogonal axes, of any spacing per axis.
 struct LabelVolume {
-  std::array<int, 3> size{};                            ///< voxels along i, j, k
-  Vec3 spacing = Vec3::Ones();                          ///< > 0, from one voxel to the next along i, j, k
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();   ///< columns: unit directions of i, j, k; may be left-handed
-  Vec3 origin = Vec3::Zero();                           ///< centre of voxel (0, 0, 0)
-  std::vector<std::uint8_t> inside;                     ///< [i + size[0] * (j + size[1] * k)], 1: in the lumen, else 0
-  std::string units;                                    ///< `mm`, `cm`, `m`, `um`, or empty: not stated
+  std::array<int, 3> size{};                           ///< voxels along i, j, k
+  Vec3 spacing = Vec3::Ones();                         ///< > 0, from one voxel to the next along i, j, k
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns: unit directions of i, j, k; may be left-handed
+  Vec3 origin = Vec3::Zero();                          ///< centre of voxel (0, 0, 0)
+  std::vector<std::uint8_t> inside;                    ///< [i + size[0] * (j + size[1] * k)], 1: in the lumen, else 0
+  std::string units;                                   ///< `mm`, `cm`, `m`, `um`, or empty: not stated
 
   std::size_t index(int i, int j, int k) const {
     return i + static_cast<std::size_t>(size[0]) * (j + static_cast<std::size_t>(size[1]) * k);
@@ -35,8 +35,8 @@ struct LabelVolume {
   }
 };
 
-/// Throws Error (bad_input) if sizes do not fit each other, the axes are not orthonormal (1e-4), a spacing is not > 0,
-/// a number is not finite, or no voxel is inside.
+/// Throws Error (bad_input) if sizes do not fit each other, the axes are not orthonormal (1e-4), a spacing is not >
+/// 0, a number is not finite, or no voxel is inside.
 void check(const LabelVolume& volume);
 
 /// The box around the voxels inside and `margin` voxels more on each side, all of them outside (also beyond the given

@@ -60,8 +60,8 @@ LevelSet::LevelSet(const Lattice& lattice) : lattice_(lattice) {
 }
 
 void LevelSet::add_brick(const std::array<int, 3>& place, const std::array<float, kBrickSize>& coefficients) {
-  const std::size_t at = place[0] + static_cast<std::size_t>(bricks_[0]) *
-                                        (place[1] + static_cast<std::size_t>(bricks_[1]) * place[2]);
+  const std::size_t at =
+      place[0] + static_cast<std::size_t>(bricks_[0]) * (place[1] + static_cast<std::size_t>(bricks_[1]) * place[2]);
   brick_at_[at] = static_cast<int>(coefficients_.size() / kBrickSize);
   coefficients_.insert(coefficients_.end(), coefficients.begin(), coefficients.end());
 }
@@ -107,8 +107,7 @@ bool LevelSet::value(const Vec3& x, double& value, Vec3* gradient) const {
       const double line = wx.value[0] * c[0] + wx.value[1] * c[1] + wx.value[2] * c[2] + wx.value[3] * c[3];
       plane += wy.value[j] * line;
       if (gradient) {
-        plane_x += wy.value[j] *
-                   (wx.slope[0] * c[0] + wx.slope[1] * c[1] + wx.slope[2] * c[2] + wx.slope[3] * c[3]);
+        plane_x += wy.value[j] * (wx.slope[0] * c[0] + wx.slope[1] * c[1] + wx.slope[2] * c[2] + wx.slope[3] * c[3]);
         plane_y += wy.slope[j] * line;
       }
     }
@@ -127,7 +126,8 @@ std::unique_ptr<ImplicitSurface> make_level_set_surface(std::shared_ptr<const Le
   std::vector<ConeSegment> segments;
   for (const Branch& branch : network.branches) {
     for (std::size_t k = 0; k + 1 < branch.points.size(); ++k) {
-      segments.push_back(cone_segment(branch.points[k], branch.radii[k], branch.points[k + 1], branch.radii[k + 1], 0));
+      segments.push_back(
+          cone_segment(branch.points[k], branch.radii[k], branch.points[k + 1], branch.radii[k + 1], 0));
     }
   }
   if (segments.empty()) {

@@ -11,12 +11,12 @@
 
 namespace vasohex {
 
-/// A C2 function: a tensor product of cubic B-splines. Its coefficients are kept in bricks of 8^3 cells, each with the
-/// 11^3 coefficients its cells need, where the lumen is within reach; elsewhere there is nothing.
+/// A C2 function: a tensor product of cubic B-splines. Its coefficients are kept in bricks of 8^3 cells, each with
+/// the 11^3 coefficients its cells need, where the lumen is within reach; elsewhere there is nothing.
 class LevelSet {
  public:
-  static constexpr int kEdge = 8;              ///< cells along an edge of a brick
-  static constexpr int kStored = kEdge + 3;    ///< coefficients along it, the first one node before its first cell
+  static constexpr int kEdge = 8;            ///< cells along an edge of a brick
+  static constexpr int kStored = kEdge + 3;  ///< coefficients along it, the first one node before its first cell
   static constexpr int kBrickSize = kStored * kStored * kStored;
 
   /// A lattice of `size` nodes: node (i, j, k) lies at origin + axes * (spacing times indices); axes orthonormal.
@@ -37,7 +37,8 @@ class LevelSet {
 
   /// Whether there is a brick at x.
   bool covers(const Vec3& x) const;
-  /// About the signed distance, < 0 inside, and its gradient if asked for; false, and nothing set, where there is none.
+  /// About the signed distance, < 0 inside, and its gradient if asked for; false, and nothing set, where there is
+  /// none.
   bool value(const Vec3& x, double& value, Vec3* gradient) const;
 
  private:
@@ -50,9 +51,8 @@ class LevelSet {
 };
 
 /// The lumen where the level set is negative. value: about the signed distance, a length, C2 within the level set's
-/// bricks, which reach some voxels beyond the wall; farther out the distance to the tubes of the network. radius: that
-/// of the network's axis nearest in terms of radii.
-/// Throws Error (bad_input) if the network has no branch.
+/// bricks, which reach some voxels beyond the wall; farther out the distance to the tubes of the network. radius:
+/// that of the network's axis nearest in terms of radii. Throws Error (bad_input) if the network has no branch.
 std::unique_ptr<ImplicitSurface> make_level_set_surface(std::shared_ptr<const LevelSet> level_set,
                                                         const Network& network);
 

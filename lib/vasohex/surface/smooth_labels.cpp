@@ -8,7 +8,7 @@
 namespace vasohex {
 namespace {
 
-constexpr double kBand = 4;          // of the largest spacing: how far from the wall the function is smoothed
+constexpr double kBand = 4;           // of the largest spacing: how far from the wall the function is smoothed
 constexpr std::size_t kGrain = 8192;  // nodes a task; sums are taken per task, so they do not depend on threads
 
 /// Second derivatives of a function on some nodes of a lattice, where all nodes needed are there, and their adjoint.
@@ -183,9 +183,9 @@ void filter(Block& block, double centre, double side, Block& buffer) {
   }
 }
 
-/// Coefficients of a cubic spline that is the given values, up to eighth order: 1 - (second difference) / 6 along each
-/// axis is the inverse of the spline's values up to fourth order, applied twice. Local, and it damps what the lattice
-/// can hardly hold.
+/// Coefficients of a cubic spline that is the given values, up to eighth order: 1 - (second difference) / 6 along
+/// each axis is the inverse of the spline's values up to fourth order, applied twice. Local, and it damps what the
+/// lattice can hardly hold.
 void add_bricks(const LabelVolume& volume, const std::vector<float>& values, double reach, LevelSet& level_set) {
   constexpr int edge = LevelSet::kEdge, stored = LevelSet::kStored, before = (kRead - stored) / 2;
   const std::array<int, 3> counts = level_set.brick_counts();
@@ -243,8 +243,8 @@ void add_bricks(const LabelVolume& volume, const std::vector<float>& values, dou
 }  // namespace
 
 LevelSet make_level_set(const LabelVolume& volume, std::vector<float> distances,
-                        const std::vector<std::array<std::size_t, 2>>& axis,
-                        const SmoothLabelsOptions& options, const Run& run) {
+                        const std::vector<std::array<std::size_t, 2>>& axis, const SmoothLabelsOptions& options,
+                        const Run& run) {
   const double smallest = volume.spacing.minCoeff(), largest = volume.spacing.maxCoeff();
   std::vector<float> values = std::move(distances);
   std::vector<std::size_t> nodes;

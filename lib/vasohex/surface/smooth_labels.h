@@ -16,8 +16,8 @@ inline constexpr int kLevelSetMargin = 8;
 
 struct SmoothLabelsOptions {
   int iterations = 300;
-  double margin = 0.1;      ///< least distance of a voxel's centre from the wall, of the smallest spacing
-  double thin_axis = 0.2;   ///< least radius around `axis`, of the mean spacing
+  double margin = 0.1;     ///< least distance of a voxel's centre from the wall, of the smallest spacing
+  double thin_axis = 0.2;  ///< least radius around `axis`, of the mean spacing
 };
 
 /// The smoothest function that has the right sign at the centre of every voxel: the least integral of the squared
@@ -32,7 +32,7 @@ struct SmoothLabelsOptions {
 /// The volume needs kLevelSetMargin voxels outside around its voxels inside (see cropped); `distances`:
 /// signed_centre_distances of it. Independent of threads.
 LevelSet make_level_set(const LabelVolume& volume, std::vector<float> distances,
-                        const std::vector<std::array<std::size_t, 2>>& axis,
-                        const SmoothLabelsOptions& options = {}, const Run& run = {});
+                        const std::vector<std::array<std::size_t, 2>>& axis, const SmoothLabelsOptions& options = {},
+                        const Run& run = {});
 
 }  // namespace vasohex
