@@ -4,6 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 
 namespace vasohex {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "vasohex/core/error.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
 
 namespace vasohex {
