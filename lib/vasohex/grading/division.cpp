@@ -95,8 +95,8 @@ bool is_symmetric(const Law& law, int count) {
 std::vector<double> divide_wall_line(const WallLayers& layers, double first, int count, double length, bool& shrunk) {
   const int n = layers.layers;
   const double wanted = first * geometric_sum(layers.growth, n), room = kMostOfLine * length;
-  shrunk = room < wanted;
   const double total = smooth_lesser(wanted, room, kBlend * wanted);
+  shrunk = total < 0.9 * wanted;
   double height = first, growth = layers.growth;
   if (total < wanted) {
     // those below the first one make room, as long as they are thicker than it

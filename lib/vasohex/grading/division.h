@@ -47,7 +47,7 @@ struct WallLayers {
 /// Layers that would take more than 0.75 of the line, or nearly, grow less; only where even equal ones do not fit the
 /// first one is thinner too. All is a smooth function of the length: a kink would bend the elements of order > 1 that
 /// it runs through. \param first height of the first layer, same unit as `length`. \param shrunk set to whether the
-/// line is too short.
+/// line is so short that the layers lose more than a tenth of their height.
 std::vector<double> divide_wall_line(const WallLayers& layers, double first, int count, double length, bool& shrunk);
 
 }  // namespace vasohex
