@@ -5,8 +5,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source .ci/need_packages.sh
 
+# libdeal.ii-dev in this list would build and test the grids of deal.II too (docs/dealii.md)
 need_packages "${build_packages[@]}" ccache libgtest-dev libgmsh-dev \
-  python3 python3-numpy python3-scipy python3-gmsh python3-vtk9 python3-meshio
+  python3 python3-numpy python3-scipy python3-gmsh python3-vtk9 python3-meshio libvtk9-dev zlib1g-dev
 
 echo "== building into build/release"
 cmake --preset release

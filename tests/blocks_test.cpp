@@ -7,13 +7,17 @@
 
 #include "gallery.h"
 #include "mesh_properties.h"
+#include "random_network.h"
 #include "vasohex/blocks/cross_section.h"
 #include "vasohex/blocks/energy_kernel_isa.h"
+#include "vasohex/blocks/hubs.h"
 #include "vasohex/blocks/junction.h"
+#include "vasohex/blocks/split_hub.h"
 #include "vasohex/blocks/topology.h"
 #include "vasohex/blocks/wall_model.h"
 #include "vasohex/core/node_family.h"
 #include "vasohex/core/reference_hex.h"
+#include "vasohex/surface/project.h"
 #include "vasohex/vasohex.h"
 
 namespace vasohex {
@@ -321,13 +325,80 @@ TEST(Junctions, OfManyBranchesBecomeTreesOfCubes) {
   EXPECT_EQ(m.blocks.junctions[0].degree, 8);
   EXPECT_EQ(m.blocks.junctions[0].prototype, "tree of cubes");
   EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));
-  EXPECT_GT(m.blocks.min_jacobian, 0.5);
+  EXPECT_GT(m.blocks.junctions[0].min_jacobian, 0.5);
 }
 
 TEST(Junctions, TooWeakForOneCubeAreDivided) {
   const SkeletonMesh m = mesh_skeleton(gallery::random_star(5, 3, 30));  // .39 with any single cube
   EXPECT_EQ(m.blocks.junctions.at(0).prototype, "tree of cubes");
   EXPECT_GT(m.blocks.junctions[0].min_jacobian, 0.5);
+}
+
+TEST(Clusters, HaveCapsWhereTheirVesselsAreTubes) {
+  // networks with junctions so near each other that one stands within the other's vessels
+  for (const int seed : {2, 3, 10, 14, 20}) {
+    Network network = build_network(gallery::RandomNetwork::grown(seed, 10));
+    clear_ends(network);
+    const auto surface = make_convolution_surface(network);
+    for (const Cluster& cluster : find_clusters(network, *surface)) {
+      const auto around = surface->part(stretches_of(network, cluster));
+      for (const Hub& hub : cluster) {
+        for (const Arm& arm : hub.arms) {
+          if (arm.link >= 0 || arm.cap >= network.branches[arm.branch].length()) {
+            continue;
+          }
+          const SectionFrame& f = arm.section;
+          for (int ray = 0; ray < 72; ++ray) {
+            const double angle = ray * 2 * std::numbers::pi / 72;
+            const auto t =
+                shoot(*around, f.origin, std::cos(angle) * f.x + std::sin(angle) * f.y, f.radius, 4 * f.radius);
+            ASSERT_TRUE(t) << "network " << seed << ", branch " << arm.branch;
+            EXPECT_LT(*t, 1.1 * f.radius) << "network " << seed << ", branch " << arm.branch;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Clusters, OfManyBranchesAreDividedInAllNarrowWays) {
+  for (int seed = 1; seed <= 4; ++seed) {
+    const Network network = build_network(gallery::random_star(8, seed, 30));
+    const auto surface = make_convolution_surface(network);
+    const Cluster star = find_clusters(network, *surface).at(0);
+    ASSERT_EQ(star.at(0).arms.size(), 8u);
+    const auto angle = [&](int a, int b) {
+      return std::acos(star[0].arms[a].direction.dot(star[0].arms[b].direction));
+    };
+    std::set<std::set<int>> together;  // branches that share a cube beside the first one
+    for (const Cluster& divided : split_hub(star, 0)) {
+      std::multiset<int> branches;
+      for (std::size_t h = 0; h < divided.size(); ++h) {
+        EXPECT_LE(divided[h].arms.size(), static_cast<std::size_t>(kCubeArms));
+        std::set<int> here;
+        for (const Arm& arm : divided[h].arms) {
+          if (arm.link < 0) {
+            branches.insert(arm.branch);
+            here.insert(arm.branch);
+          }
+        }
+        together.insert(here);
+      }
+      EXPECT_EQ(branches, (std::multiset<int>{0, 1, 2, 3, 4, 5, 6, 7}));
+    }
+    // the four narrowest pairs, whatever else is together
+    std::vector<std::pair<double, std::set<int>>> pairs;
+    for (int a = 0; a < 8; ++a) {
+      for (int b = a + 1; b < 8; ++b) {
+        pairs.emplace_back(angle(a, b), std::set<int>{star[0].arms[a].branch, star[0].arms[b].branch});
+      }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_TRUE(together.contains(pairs[i].second)) << "seed " << seed << ", pair " << i;
+    }
+    EXPECT_TRUE(std::any_of(together.begin(), together.end(), [](const auto& t) { return t.size() == 4; }));
+  }
 }
 
 TEST(Junctions, JoinedTwiceAreLinkedOnce) {

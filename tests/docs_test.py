@@ -1,7 +1,8 @@
 """README.md and docs/cli.md against the program: docs_test.py VASOHEX SOURCE [--write]
 
 Every command in README.md prints what stands there (decimal numbers may differ), the C++ example is
-tests/consumer/main.cpp, and docs/cli.md has just the options of each --help and the keys of each JSON file.
+tests/consumer/main.cpp, the one in docs/dealii.md is tests/consumer/lumen_volume.cpp, and docs/cli.md has just the
+options of each --help and the keys of each JSON file.
 --write puts today's output and example into README.md.
 """
 import itertools
@@ -79,6 +80,10 @@ class Docs(unittest.TestCase):
         self.assertGreaterEqual(len(CONSOLE.findall(text)), 3)
         self.assertEqual(len(EXAMPLE.findall(text)), 1)
         self.assertEqual(without_decimals(text), without_decimals(today(self.folder)), "see docs_test.py --write")
+
+    def test_dealii(self):
+        example, = EXAMPLE.findall((SOURCE / "docs" / "dealii.md").read_text())
+        self.assertEqual(example, (SOURCE / "tests/consumer/lumen_volume.cpp").read_text())
 
     def test_options(self):
         for command in ("mesh", "check", "info", "blocks"):

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "vasohex/core/error.h"
@@ -52,11 +54,46 @@ TEST(WallLine, HasTheLayersAndFillsTheRest) {
 }
 
 TEST(WallLine, ShrinksLayersThatDoNotFit) {
+  constexpr double kFirst = 0.02;
   bool shrunk = false;
-  const std::vector<double> d = divide_wall_line({6, 0.02, true, 1.3}, 0.02, 8, 0.2, shrunk);
+  const std::vector<double> d = divide_wall_line({6, kFirst, true, 1.3}, kFirst, 8, 0.2, shrunk);
   EXPECT_TRUE(shrunk);
-  EXPECT_NEAR(d[6], 0.18, 1e-12);
+  EXPECT_NEAR(d[1], kFirst, 1e-12) << "the first layer keeps its height as long as equal ones fit";
+  EXPECT_LE(d[6], 0.75 * 0.2);
+  EXPECT_GT(d[6], 0.65 * 0.2);
+  for (int i = 2; i <= 6; ++i) {
+    EXPECT_NEAR((d[i] - d[i - 1]) / (d[i - 1] - d[i - 2]), (d[2] - d[1]) / d[1], 1e-9);
+  }
   EXPECT_DOUBLE_EQ(d[8], 0.2);
+  // far too short: all of one height
+  const std::vector<double> e = divide_wall_line({6, kFirst, true, 1.3}, kFirst, 8, 0.02, shrunk);
+  EXPECT_TRUE(shrunk);
+  for (int i = 1; i <= 6; ++i) {
+    EXPECT_NEAR(e[i] - e[i - 1], 0.75 * 0.02 / 6, 1e-9);
+  }
+}
+
+TEST(WallLine, HasNoKinkAsTheLineGetsShorter) {
+  // second differences over the length stay bounded as the step is halved: at a kink they double
+  for (const WallLayers& layers : {WallLayers{6, 0.02, true, 1.3}, WallLayers{1, 0.1, true, 1.2},
+                                   WallLayers{3, 0.05, true, 0.8}, WallLayers{8, 0.01, true, 1.0}}) {
+    const auto roughness = [&](double h) {
+      double most = 0;
+      for (double length = 0.02; length < 0.6; length += h) {
+        std::array<std::vector<double>, 3> d;
+        bool shrunk = false;
+        for (int i = 0; i < 3; ++i) {
+          d[i] = divide_wall_line(layers, layers.first_height, layers.layers + 3, length + (i - 1) * h, shrunk);
+        }
+        for (int k = 0; k <= layers.layers + 3; ++k) {
+          EXPECT_TRUE(k == 0 || d[1][k] > d[1][k - 1]);
+          most = std::max(most, std::abs(d[0][k] - 2 * d[1][k] + d[2][k]) / (h * h));
+        }
+      }
+      return most;
+    };
+    EXPECT_LT(roughness(0.0005), 1.2 * roughness(0.001)) << layers.layers << " layers";
+  }
 }
 
 }  // namespace

@@ -133,15 +133,48 @@ TEST(TieEnds, ProlongsAndCutsAndNamesTheRest) {
   }
 }
 
-TEST(TieEnds, LeavesASkeletonAloneWhoseLumenHasNoEnds) {
-  Skeleton s = gallery::linked(6);
-  const Skeleton before = s;
-  std::vector<std::string> notes;
-  tie_ends(s, {}, notes);
-  EXPECT_EQ(notes.size(), 4u);  // each of its ends becomes a cap, which is told
-  for (std::size_t i = 0; i < s.points.size(); ++i) {
-    EXPECT_EQ(s.points[i], before.points[i]);
+/// A tube along x from 0, closed by a half sphere: radius 1.
+class TestTube final : public ImplicitSurface {
+ public:
+  explicit TestTube(double length) : length_(length) {}
+  double value(const Vec3& x) const override { return from_axis(x).norm() - 1; }
+  double value(const Vec3& x, Vec3& gradient) const override {
+    const Vec3 d = from_axis(x);
+    gradient = d.norm() > 0 ? Vec3(d.normalized()) : Vec3(Vec3::UnitY());
+    return d.norm() - 1;
   }
+  double radius(const Vec3&) const override { return 1; }
+
+ private:
+  Vec3 from_axis(const Vec3& x) const { return x - std::min(x.x(), length_) * Vec3::UnitX(); }
+  double length_;
+};
+
+TEST(Lumen, MayCloseWithoutAnEnd) {
+  Skeleton s;
+  for (int i = 0; i <= 8; ++i) {
+    s.points.emplace_back(i, 0, 0);
+    s.radii.push_back(1);
+    if (i > 0) {
+      s.segments.push_back({i - 1, i});
+    }
+  }
+  Lumen lumen;
+  lumen.ends = {{Vec3::Zero(), -Vec3::UnitX(), 1}};
+  lumen.surface = [](const Network&) { return std::make_shared<TestTube>(8); };
+  SkeletonMeshOptions options;
+  options.mesh.order = 3;
+  options.grading.elements = 2;
+  const SkeletonMesh m = mesh_lumen(s, lumen, options);
+  const QualityReport quality = measure_quality(m.result.mesh);
+  EXPECT_EQ(quality.certified, m.result.mesh.element_count());
+  EXPECT_GT(quality.scaled_jacobian.min, 0.5);
+  EXPECT_EQ(m.result.mesh.surfaces, (std::vector<std::string>{"wall", "inlet"}));
+  double furthest = 0;
+  for (const Vec3& p : m.result.mesh.nodes) {
+    furthest = std::max(furthest, p.x());
+  }
+  EXPECT_NEAR(furthest, 9, 0.01);  // the wall of the half sphere is reached
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "gallery.h"
+#include "measures.h"
 #include "mesh_properties.h"
-#include "vasohex/core/node_family.h"
 #include "vasohex/mesh/layer_heights.h"
 #include "vasohex/quality/quality_report.h"
 #include "vasohex/skeleton/read_skeleton.h"
@@ -21,67 +21,6 @@ SkeletonMeshOptions with(int order, int elements, NodeFamily family = NodeFamily
   options.mesh = {order, family};
   options.grading.elements = elements;
   return options;
-}
-
-/// Exact volume of the curved elements by Gauss-Lobatto quadrature of det J, of degree 3p - 1.
-double volume(const HexMesh& mesh) {
-  const int p = mesh.order, n = p + 1;
-  const int q = (3 * p) / 2 + 2;
-  const std::vector<double> nodes = family_nodes(mesh.family, p);
-  const std::vector<double> at = family_nodes(NodeFamily::gauss_lobatto, q);
-  std::vector<double> weight(q + 1);
-  for (int i = 0; i <= q; ++i) {  // w = 1 / (q (q + 1) P_q(x)^2) on [0, 1]
-    const double x = 2 * at[i] - 1;
-    double before = 1, value = x;
-    for (int k = 2; k <= q; ++k) {
-      const double next = ((2 * k - 1) * x * value - (k - 1) * before) / k;
-      before = value;
-      value = next;
-    }
-    weight[i] = 1 / (q * (q + 1.0) * value * value);
-  }
-  const std::vector<double> v = lagrange_values(nodes, at), d = lagrange_derivatives(nodes, at);
-  double sum = 0;
-  const int m = q + 1;
-  // along i, then j, then k: values and derivatives
-  std::vector<Vec3> ai(n * n * m), di(n * n * m), aj(n * m * m), dj(n * m * m), ij(n * m * m);
-  for (int e = 0; e < mesh.element_count(); ++e) {
-    const int* ids = &mesh.elements[static_cast<std::size_t>(e) * n * n * n];
-    for (int r = 0; r < n * n; ++r) {
-      for (int a = 0; a < m; ++a) {
-        ai[r * m + a] = di[r * m + a] = Vec3::Zero();
-        for (int i = 0; i < n; ++i) {
-          ai[r * m + a] += v[a * n + i] * mesh.nodes[ids[i + n * r]];
-          di[r * m + a] += d[a * n + i] * mesh.nodes[ids[i + n * r]];
-        }
-      }
-    }
-    for (int k = 0; k < n; ++k) {
-      for (int b = 0; b < m; ++b) {
-        for (int a = 0; a < m; ++a) {
-          const int to = (k * m + b) * m + a;
-          aj[to] = dj[to] = ij[to] = Vec3::Zero();
-          for (int j = 0; j < n; ++j) {
-            aj[to] += v[b * n + j] * ai[(k * n + j) * m + a];
-            dj[to] += d[b * n + j] * ai[(k * n + j) * m + a];
-            ij[to] += v[b * n + j] * di[(k * n + j) * m + a];
-          }
-        }
-      }
-    }
-    for (int c = 0; c < m; ++c) {
-      for (int ba = 0; ba < m * m; ++ba) {
-        Vec3 x = Vec3::Zero(), y = Vec3::Zero(), z = Vec3::Zero();
-        for (int k = 0; k < n; ++k) {
-          x += v[c * n + k] * ij[k * m * m + ba];
-          y += v[c * n + k] * dj[k * m * m + ba];
-          z += d[c * n + k] * aj[k * m * m + ba];
-        }
-        sum += weight[ba % m] * weight[ba / m] * weight[c] * x.dot(y.cross(z));
-      }
-    }
-  }
-  return sum;
 }
 
 class Gallery : public testing::TestWithParam<int> {};
@@ -273,7 +212,7 @@ TEST(Tube, VolumeConvergesAtOrderTwoP) {
   for (const int order : {1, 2, 3}) {
     double before = 0;
     for (const int elements : {1, 2, 4}) {
-      const double error = std::abs(volume(mesh_skeleton(gallery::tube(length, radius),
+      const double error = std::abs(measures::volume(mesh_skeleton(gallery::tube(length, radius),
                                                          with(order, elements, NodeFamily::gauss_lobatto))
                                                .result.mesh) -
                                     exact) /
@@ -296,7 +235,7 @@ TEST(Tube, HasTheQualityOfItsSection) {
 TEST(Torus, VolumeConvergesBetterThanPPlusOne) {
   // against the convolution surface itself, by a much finer mesh of a higher order
   const auto of = [](int order, int elements) {
-    return volume(mesh_skeleton(gallery::torus(4, 1), with(order, elements, NodeFamily::gauss_lobatto)).result.mesh);
+    return measures::volume(mesh_skeleton(gallery::torus(4, 1), with(order, elements, NodeFamily::gauss_lobatto)).result.mesh);
   };
   const double exact = of(6, 4);
   for (const int order : {1, 2, 3}) {

@@ -3,55 +3,20 @@
 
 #include "commands.h"
 #include "findings.h"
-#include "mesh_options.h"
+#include "input.h"
 #include "option_checks.h"
 #include "report.h"
+#include "vasohex/block_file.h"
 #include "vtk/write_vtu.h"
 
 namespace vasohex::cli {
 namespace {
 
 struct BlocksCommand {
-  SkeletonInput input;
+  Input input;
   SkeletonMeshOptions options;
   std::vector<std::string> outputs;
 };
-
-const char* kind_name(DirectionKind kind) {
-  return kind == DirectionKind::radial ? "radial" : kind == DirectionKind::axial ? "axial" : "core";
-}
-
-nlohmann::ordered_json blocks_json(const SkeletonMesh& m) {
-  const BlockStructure& b = m.blocks;
-  nlohmann::ordered_json j;
-  j["format"] = "vasohex-blocks-1";
-  j["units"] = b.units;
-  j["degree"] = b.degree;
-  j["control_points"] = "gauss_lobatto, i fastest";
-  auto& nodes = j["nodes"] = nlohmann::ordered_json::array();
-  for (const Vec3& p : b.nodes) {
-    nodes.push_back({p.x(), p.y(), p.z()});
-  }
-  const int per_block = static_cast<int>(b.block_nodes.size() / b.blocks.size());
-  auto& blocks = j["blocks"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < b.blocks.size(); ++i) {
-    blocks.push_back({{"vertices", b.blocks[i]},
-                      {"nodes", std::vector<int>(b.block_nodes.begin() + i * per_block,
-                                                 b.block_nodes.begin() + (i + 1) * per_block)},
-                      {"directions", {kind_name(b.kinds[i][0]), kind_name(b.kinds[i][1]), kind_name(b.kinds[i][2])}},
-                      {"place", b.places[i]}});
-  }
-  auto& boundary = j["boundary"] = nlohmann::ordered_json::array();
-  for (const BlockStructure::BoundaryFace& f : b.boundary) {
-    boundary.push_back({f.block, f.face, f.surface});
-  }
-  j["surfaces"] = b.surfaces;
-  auto& sheets = j["sheets"] = nlohmann::ordered_json::array();
-  for (const Sheet& s : m.sheets.sheets) {
-    sheets.push_back(s.name);
-  }
-  return j;
-}
 
 void run_blocks(BlocksCommand& c, Common& common) {
   if (c.outputs.empty()) {
@@ -63,20 +28,22 @@ void run_blocks(BlocksCommand& c, Common& common) {
       usage("output " + output + ": unknown extension '" + ext + "', use .vtu or .json");
     }
   }
-  check_outputs(c.input.path, c.outputs);
+  check_outputs(c.input.files(), c.outputs);
   const Run run = common.run();
-  const Skeleton skeleton = c.input.read(c.options.network);
+  const Loaded loaded = load(c.input, run);
   // one element of the blocks' own degree each: what a viewer can show of them
   c.options.grading.elements = 1;
   c.options.mesh.order = 4;
-  const SkeletonMesh m = with_context(c.input.path, [&] { return mesh_skeleton(skeleton, c.options, run); });
+  const SkeletonMesh m = mesh(c.input, loaded, c.options, run);
   common.end_progress();
   if (!common.quiet) {
     std::fprintf(stderr, "%s", findings_summary(m.findings, c.options.repair).c_str());
   }
   for (const std::string& output : c.outputs) {
     if (extension(output) == ".json") {
-      write_json(blocks_json(m), output);
+      BlockFile file = block_file(m, c.options);
+      file.grading = {};
+      write_block_file(file, output);
     } else {
       const std::vector<double> quality = measure_quality(m.result.mesh, run).element_scaled_jacobian;
       const CellScalars scalars[]{{"scaled_jacobian", quality}};
@@ -117,7 +84,7 @@ void add_blocks_command(CLI::App& app, Common& common) {
   c->input.add_to(*command);
   command->add_option("-o,--output", c->outputs,
                       "Block file: .vtu (to look at) or .json; may be given several times");
-  SkeletonInput::add_repair(*command, c->options);
+  Input::add_repair(*command, c->options);
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
       ->check(positive_number())
       ->capture_default_str();

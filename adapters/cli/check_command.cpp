@@ -18,7 +18,7 @@ struct CheckCommand {
 void run_check(const CheckCommand& c, Common& common) {
 #ifdef VASOHEX_HAS_GMSH
   if (!c.json.empty()) {
-    check_outputs(c.path, {c.json});
+    check_outputs({c.path}, {c.json});
   }
   const Run run = common.run();
   const HexMesh mesh = read_msh(c.path, run);

@@ -5,7 +5,7 @@
 
 #include "commands.h"
 #include "findings.h"
-#include "mesh_options.h"
+#include "input.h"
 #include "option_checks.h"
 #include "report.h"
 
@@ -13,7 +13,7 @@ namespace vasohex::cli {
 namespace {
 
 struct InfoCommand {
-  SkeletonInput input;
+  Input input;
   std::string json;
 };
 
@@ -21,12 +21,15 @@ nlohmann::ordered_json xyz(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 void run_info(const InfoCommand& c, Common& common) {
   if (!c.json.empty()) {
-    check_outputs(c.input.path, {c.json});
+    check_outputs(c.input.files(), {c.json});
   }
-  NetworkOptions options;
-  const Skeleton skeleton = c.input.read(options);
   const Run run = common.run();
-  const Network network = with_context(c.input.path, [&] { return build_network(skeleton, options, run); });
+  const Loaded loaded = load(c.input, run);
+  const Skeleton& skeleton = loaded.skeleton;
+  NetworkOptions options;
+  options.inlet = c.input.inlet;
+  Network network = with_context(c.input.path, [&] { return build_network(skeleton, options, run); });
+  network.repairs.insert(network.repairs.begin(), loaded.repairs.begin(), loaded.repairs.end());
   const std::vector<Finding> findings = diagnose(network);
   const NetworkCounts counts = count(network);
   std::map<int, int> degrees;
@@ -48,6 +51,9 @@ void run_info(const InfoCommand& c, Common& common) {
   }
   nlohmann::ordered_json j;
   j["input"] = c.input.path;
+  if (loaded.lumen) {
+    j["lumen"] = *loaded.figures;
+  }
   j["units"] = network.units;
   j["points"] = skeleton.points.size();
   j["branches"] = network.branches.size();
@@ -98,7 +104,7 @@ void run_info(const InfoCommand& c, Common& common) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Common& common) {
-  CLI::App* command = app.add_subcommand("info", "What is in a skeleton, and what is wrong with it");
+  CLI::App* command = app.add_subcommand("info", "What is in a skeleton, surface or labelmap, and what is wrong with it");
   auto c = std::make_shared<InfoCommand>();
   c->input.add_to(*command);
   command->add_option("--json", c->json, "File for the figures");

@@ -6,7 +6,7 @@
 #include "commands.h"
 #include "findings.h"
 #include "gmsh/write_msh.h"
-#include "mesh_options.h"
+#include "input.h"
 #include "option_checks.h"
 #include "report.h"
 #include "vasohex/mesh/layer_heights.h"
@@ -16,7 +16,7 @@ namespace vasohex::cli {
 namespace {
 
 struct MeshCommand {
-  SkeletonInput input;
+  Input input;
   std::vector<std::string> outputs;
   SkeletonMeshOptions options;
   std::string nodes = "equispaced", json;
@@ -97,12 +97,12 @@ void run_mesh(MeshCommand& c, Common& common) {
   if (!c.json.empty()) {
     files.push_back(c.json);
   }
-  check_outputs(c.input.path, files);
+  check_outputs(c.input.files(), files);
   const Run run = common.run();
   Stopwatch reading;
-  const Skeleton skeleton = c.input.read(c.options.network);
+  const Loaded loaded = load(c.input, run);
   const double read_seconds = reading.seconds();
-  SkeletonMesh m = with_context(c.input.path, [&] { return mesh_skeleton(skeleton, c.options, run); });
+  SkeletonMesh m = cli::mesh(c.input, loaded, c.options, run);
   const HexMesh& mesh = m.result.mesh;
   Stopwatch certifying;
   const QualityReport quality = measure_quality(mesh, run);
@@ -126,6 +126,9 @@ void run_mesh(MeshCommand& c, Common& common) {
     nlohmann::ordered_json j;
     j["vasohex"] = VASOHEX_VERSION;
     j["input"] = c.input.path;
+    if (loaded.lumen) {
+      j["lumen"] = *loaded.figures;
+    }
     j["units"] = mesh.units;
     j["blocks"] = m.blocks.blocks.size();
     j["elements"] = mesh.element_count();
@@ -213,7 +216,7 @@ void run_mesh(MeshCommand& c, Common& common) {
 }  // namespace
 
 void add_mesh_command(CLI::App& app, Common& common) {
-  CLI::App* command = app.add_subcommand("mesh", "Skeleton in, certified hexahedra of order p out");
+  CLI::App* command = app.add_subcommand("mesh", "Skeleton, surface or labelmap in, certified hexahedra of order p out");
   auto c = std::make_shared<MeshCommand>();
   c->input.add_to(*command);
   command->add_option("-o,--output", c->outputs, "Mesh file: .msh (Gmsh 4.1) or .vtu; may be given several times");
@@ -243,7 +246,7 @@ void add_mesh_command(CLI::App& app, Common& common) {
   command->add_option("--nodes", c->nodes, "Nodes within an element")
       ->check(CLI::IsMember({"equispaced", "gauss_lobatto"}))
       ->capture_default_str();
-  SkeletonInput::add_repair(*command, c->options);
+  Input::add_repair(*command, c->options);
   command->add_option("--block-length", c->options.blocks.block_length, "Length of a branch's blocks, in local radii")
       ->check(positive_number())
       ->capture_default_str();

@@ -52,10 +52,12 @@ CLI::Validator positive_number() {
 
 void usage(const std::string& message) { throw Error(ErrorCode::bad_input, message); }
 
-void check_outputs(const std::string& input, const std::vector<std::string>& outputs) {
+void check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    if (same_file(outputs[i], input)) {
-      usage("output " + outputs[i] + ": is the input, which would be lost; choose another name");
+    for (const std::string& input : inputs) {
+      if (same_file(outputs[i], input)) {
+        usage("output " + outputs[i] + ": is the input, which would be lost; choose another name");
+      }
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (same_file(outputs[i], outputs[k])) {

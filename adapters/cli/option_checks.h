@@ -17,8 +17,8 @@ CLI::Validator positive_number();
 [[noreturn]] void usage(const std::string& message);
 
 /// Probes that the files can be written, before the work and not after it. Error bad_input if one cannot, if two are
-/// the same file, or if one is the input.
-void check_outputs(const std::string& input, const std::vector<std::string>& outputs);
+/// the same file, or if one is an input.
+void check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
 /// As `.msh`, in lower case.
 std::string extension(const std::string& path);

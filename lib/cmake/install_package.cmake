@@ -1,5 +1,5 @@
-# What find_package(vasohex CONFIG) finds after an installation. The Gmsh reader has a file of its own, so that programs
-# which do not ask for it need no Gmsh.
+# What find_package(vasohex CONFIG) finds after an installation. The Gmsh reader and the grids of deal.II have files of
+# their own, so that programs which do not ask for them need no Gmsh and no deal.II.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vasohex)
 
@@ -12,6 +12,13 @@ if(VASOHEX_GMSH)
   install(TARGETS vasohex_gmsh EXPORT vasohexGmshTargets)
   install(EXPORT vasohexGmshTargets NAMESPACE vasohex:: DESTINATION ${package_dir})
   install(FILES ${CMAKE_CURRENT_LIST_DIR}/FindGmshSdk.cmake DESTINATION ${package_dir})
+endif()
+if(VASOHEX_HAS_DEALII)
+  set_target_properties(vasohex_dealii PROPERTIES EXPORT_NAME dealii)
+  install(TARGETS vasohex_dealii EXPORT vasohexDealiiTargets)
+  install(EXPORT vasohexDealiiTargets NAMESPACE vasohex:: DESTINATION ${package_dir})
+  install(FILES adapters/dealii/dealii_grid.h adapters/dealii/mesh_info.h
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/dealii)
 endif()
 
 install(DIRECTORY lib/vasohex DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")

@@ -1,11 +1,16 @@
 #include "vasohex/vasohex.h"
 
+#include <algorithm>
 #include <chrono>
+#include <set>
 
+#include "vasohex/blocks/move_blocks.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/own_frame.h"
 #include "vasohex/skeleton/repair.h"
 #include "vasohex/skeleton/tie_ends.h"
 #include "vasohex/surface/moved_surface.h"
+#include "vasohex/surface/project.h"
 
 namespace vasohex {
 namespace {
@@ -34,21 +39,35 @@ void mesh_network(const Network& network, const OwnFrame& frame, const ImplicitS
   }
   out.sheets = grade(out.blocks, topology, grading);
   out.result = generate_mesh(out.blocks, topology, out.sheets, surface, options.mesh, run);
-  for (std::vector<Vec3>* nodes : {&out.blocks.nodes, &out.result.mesh.nodes}) {
-    for (Vec3& p : *nodes) {
-      p = frame.outward(p);
-    }
-  }
-  for (std::vector<Stretch>& region : out.blocks.regions) {
-    for (Stretch& stretch : region) {
-      stretch.from *= frame.scale;
-      stretch.to *= frame.scale;
-    }
-  }
-  for (SectionFrame& end : out.blocks.ends) {
-    end = {frame.outward(end.origin), frame.rotation * end.x, frame.rotation * end.y, frame.scale * end.radius};
+  move_outward(out.blocks, frame);
+  for (Vec3& p : out.result.mesh.nodes) {
+    p = frame.outward(p);
   }
   out.seconds["mesh"] = seconds_since(meshing);
+}
+
+/// Points of the network's ends where the lumen has none and its wall closes ahead: not more than 2.5 radii away.
+std::set<int> blind_ends(const Network& network, const ImplicitSurface& surface, const std::vector<int>& tied,
+                         std::vector<std::string>& notes) {
+  std::set<int> blind;
+  for (const Branch& branch : network.branches) {
+    for (int side = 0; side < 2; ++side) {
+      const NetworkNode& node = network.nodes[branch.nodes[side]];
+      if (node.degree != 1 || std::find(tied.begin(), tied.end(), node.point) != tied.end()) {
+        continue;
+      }
+      const Vec3 ahead = side == 0 ? Vec3(-branch.tangents.front()) : branch.tangents.back();
+      const bool closes = shoot(surface, node.position, ahead, node.radius, 2.5 * node.radius).has_value();
+      const std::string place = "point " + std::to_string(node.point) + " " + short_text(node.position);
+      notes.push_back("note: the skeleton ends at " + place + ", where the lumen has no end: " +
+                      (closes ? "the vessel closes there, which is meshed without a cap"
+                              : "the mesh ends there in a flat cap"));
+      if (closes) {
+        blind.insert(node.point);
+      }
+    }
+  }
+  return blind;
 }
 
 }  // namespace
@@ -78,10 +97,15 @@ SkeletonMesh mesh_lumen(const Skeleton& skeleton, const Lumen& lumen, const Skel
   std::vector<std::string> notes;
   const std::vector<int> end_points = tie_ends(tied, lumen.ends, notes);
   out.network = build_network(tied, options.network, run);
+  out.surface = lumen.surface(out.network);
+  NetworkOptions network_options = options.network;
+  network_options.blind = blind_ends(out.network, *out.surface, end_points, notes);
+  if (!network_options.blind.empty()) {
+    out.network = build_network(tied, network_options, run);
+  }
   out.network.repairs.insert(out.network.repairs.begin(), notes.begin(), notes.end());
   face_ends(out.network, lumen.ends, end_points);
   out.findings = diagnose(out.network);
-  out.surface = lumen.surface(out.network);
   const OwnFrame frame = own_frame(out.network);
   const MovedSurface surface(out.surface, frame.inverse());
   out.seconds["surface"] = seconds_since(start);

@@ -1,5 +1,5 @@
 # Installs a build, moves the installation, and builds and runs this folder's project against it.
-# cmake -DBUILD=.. -DSOURCE=.. -DWORK=.. -DCXX=.. -DFLAGS=.. -DTYPE=.. -DGMSH=ON|OFF -P install_and_use.cmake
+# cmake -DBUILD=.. -DSOURCE=.. -DWORK=.. -DCXX=.. -DFLAGS=.. -DTYPE=.. -DGMSH=ON|OFF -DDEALII=ON|OFF -P install_and_use.cmake
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status)
   if(status)
@@ -41,5 +41,11 @@ if(GMSH)
   configure(build_gmsh -DCONSUMER_GMSH=ON)
   run(${CMAKE_COMMAND} --build ${WORK}/build_gmsh)
   run(${WORK}/build_gmsh/gmsh_consumer ${WORK}/tube.msh)
+endif()
+if(DEALII)
+  configure(build_dealii -DCONSUMER_DEALII=ON)
+  run(${CMAKE_COMMAND} --build ${WORK}/build_dealii --target dealii_consumer)
+  run(${WORK}/moved/bin/vasohex blocks ${SOURCE}/meshes/iliac_bifurcation.swc -o ${WORK}/iliac.json)
+  run(${WORK}/build_dealii/dealii_consumer ${WORK}/iliac.json)
 endif()
 run(${WORK}/moved/bin/vasohex --version)

@@ -44,7 +44,7 @@ class Assembly {
     out_.surfaces = {"wall"};
     std::vector<std::pair<std::string, int>> ends;
     for (int n = 0; n < static_cast<int>(network.nodes.size()); ++n) {
-      if (network.nodes[n].degree == 1) {
+      if (network.nodes[n].degree == 1 && !network.nodes[n].blind) {
         ends.emplace_back(network.nodes[n].name, n);
       }
     }

@@ -11,7 +11,7 @@ namespace vasohex {
 
 struct BlockOptions {
   double block_length = 2.0;   ///< of a branch's blocks, in local radii
-  int candidates = 6;          ///< arrangements of a weak junction's cubes that are tried to the end
+  int candidates = 6;          ///< arrangements tried of a weak junction's cubes; below .5, three times as many
   double good_jacobian = 0.6;  ///< scaled Jacobian that ends the search, if certified
   MeshDivision mesh;           ///< what the blocks are for; of mesh_skeleton: order 0 is the order asked for
 };

@@ -30,8 +30,9 @@ SectionFrame frame_at(const AxisPoint& p) {
   return f;
 }
 
-/// Whether the surface around the branch end's axis at arc length s is a tube, seen along 12 rays in the normal plane:
-/// of about the radius where vessels are round, of about the shape that it has a radius further on where they are not.
+/// Whether the surface around the branch end's axis at arc length s is a tube, seen along rays in its normal plane,
+/// so many that a vessel of an eighth of the radius does not pass between them: of about the radius where vessels are
+/// round, of about the shape that it has a radius further on where they are not.
 bool is_tube(const ImplicitSurface& surface, const Branch& branch, int end, double s) {
   const AxisPoint p = from_end(branch, end, s);
   const SectionFrame f = frame_at(p);
@@ -40,8 +41,9 @@ bool is_tube(const ImplicitSurface& surface, const Branch& branch, int end, doub
   const auto wall = [&](const AxisPoint& from, const Vec3& direction, double most) {
     return shoot(surface, from.position, direction, from.radius, most * from.radius);
   };
-  for (int ray = 0; ray < 12; ++ray) {
-    const double angle = ray * std::numbers::pi / 6;
+  constexpr int kRays = 24;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const double angle = ray * 2 * std::numbers::pi / kRays;
     const Vec3 direction = std::cos(angle) * f.x + std::sin(angle) * f.y;
     if (round) {
       const auto t = wall(p, direction, 1.3);
@@ -178,34 +180,33 @@ std::vector<double> cap_distances_of(const Network& network, const std::vector<B
   return distance;
 }
 
-}  // namespace
-
-std::vector<double> cap_distances(const Network& network, int node) {
-  return cap_distances_of(network, branch_ends(network)[node]);
-}
-
-std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster) {
-  std::vector<Stretch> stretches;
-  for (const Hub& hub : cluster) {
-    for (const Arm& arm : hub.arms) {
-      const double length = network.branches[arm.branch].length();
-      stretches.push_back({arm.branch, arm.end == 0 ? 0.0 : length - arm.cap, arm.end == 0 ? arm.cap : length});
-    }
+/// Moves the arm's cap on until the surface around its branch is a tube there, by 3 radii at most. True if it was not
+/// one before and is now.
+bool move_to_tube(const Network& network, const ImplicitSurface& surface, Arm& arm) {
+  const Branch& branch = network.branches[arm.branch];
+  int step = 0;
+  bool tube = false;
+  for (; step < 12 && arm.cap < branch.length() && !tube; ++step) {
+    tube = is_tube(surface, branch, arm.end, arm.cap);
+    arm.cap += tube ? 0.0 : 0.25 * from_end(branch, arm.end, arm.cap).radius;
   }
-  return stretches;
+  const NetworkNode& other_end = network.nodes[branch.nodes[1 - arm.end]];
+  const bool leads_to_end = other_end.degree == 1 && !other_end.blind;
+  if (leads_to_end && arm.cap > branch.length() - 0.4 * branch.radii.back()) {
+    arm.cap = branch.length();  // the cap is the end itself
+  }
+  return tube && step > 1;
 }
 
-std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface, double before_parting) {
+/// A hub for each junction, its caps where the surface around it alone leaves room for them.
+std::vector<Hub> lone_hubs(const Network& network, const ImplicitSurface& surface) {
   const auto ends = branch_ends(network);
-  std::vector<int> hub_of_node(network.nodes.size(), -1);
   std::vector<Hub> hubs;
-  std::vector<std::array<double, 2>> cap(network.branches.size(), {0, 0});
   for (int n = 0; n < static_cast<int>(network.nodes.size()); ++n) {
     const NetworkNode& node = network.nodes[n];
-    if (node.seam || node.degree < 2) {
+    if (node.seam || (node.degree < 2 && !node.blind)) {
       continue;
     }
-    hub_of_node[n] = static_cast<int>(hubs.size());
     Hub hub;
     hub.node = n;
     hub.centre = node.position;
@@ -214,61 +215,121 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       Arm arm;
       arm.branch = ends[n][a].branch;
       arm.end = ends[n][a].end;
-      const Branch& branch = network.branches[arm.branch];
-      arm.cap = std::min(distance[a], branch.length());
+      arm.cap = std::min(distance[a], network.branches[arm.branch].length());
       hub.arms.push_back(arm);
     }
     const std::shared_ptr<const ImplicitSurface> around = surface.part(stretches_of(network, {hub}));
     for (std::size_t a = 0; a < ends[n].size(); ++a) {
-      Arm& arm = hub.arms[a];
-      const Branch& branch = network.branches[arm.branch];
-      const bool leads_to_end = network.nodes[branch.nodes[1 - arm.end]].degree == 1;
-      arm.cap = distance[a];
-      // the formula knows straight tubes only: move on until the surface is a tube
-      for (int step = 0; step < 12 && arm.cap < branch.length(); ++step) {
-        if (is_tube(*around, branch, arm.end, arm.cap)) {
-          break;
-        }
-        arm.cap += 0.25 * from_end(branch, arm.end, arm.cap).radius;
-      }
-      if (leads_to_end && arm.cap > branch.length() - 0.4 * branch.radii.back()) {
-        arm.cap = branch.length();  // the cap is the end itself
-      }
-      cap[arm.branch][arm.end] = arm.cap;
+      hub.arms[a].cap = distance[a];
+      move_to_tube(network, *around, hub.arms[a]);  // the formula knows straight tubes only
     }
     hubs.push_back(hub);
   }
+  return hubs;
+}
 
-  DisjointSets linked(static_cast<int>(hubs.size()));
+/// Links hubs whose caps leave no room between them: arm.link is the number among all hubs. Returns the groups of
+/// hubs that hang together, each in ascending order.
+std::vector<std::vector<int>> link_hubs(const Network& network, std::vector<Hub>& hubs) {
+  std::vector<std::array<int, 2>> hub_at(network.branches.size(), {-1, -1});
+  std::vector<std::array<double, 2>> cap(network.branches.size(), {0, 0});
+  for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
+    for (const Arm& arm : hubs[h].arms) {
+      hub_at[arm.branch][arm.end] = h;
+      cap[arm.branch][arm.end] = arm.cap;
+    }
+  }
   // Branches too short for two caps become links, the shortest of those between the same two hubs: a second one would
   // share faces with it.
   std::map<std::array<int, 2>, int> link_between;
+  const auto key = [&](int b) {
+    return std::array{std::min(hub_at[b][0], hub_at[b][1]), std::max(hub_at[b][0], hub_at[b][1])};
+  };
   for (int b = 0; b < static_cast<int>(network.branches.size()); ++b) {
     const Branch& branch = network.branches[b];
-    const int first = hub_of_node[branch.nodes[0]], last = hub_of_node[branch.nodes[1]];
+    const auto [first, last] = hub_at[b];
     const double radius = from_end(branch, 0, 0.5 * branch.length()).radius;
     if (first >= 0 && last >= 0 && first != last && cap[b][0] + cap[b][1] + 0.75 * radius > branch.length()) {
-      const auto [it, is_new] = link_between.try_emplace({std::min(first, last), std::max(first, last)}, b);
+      const auto [it, is_new] = link_between.try_emplace(key(b), b);
       if (!is_new && branch.length() < network.branches[it->second].length()) {
         it->second = b;
       }
     }
   }
+  DisjointSets linked(static_cast<int>(hubs.size()));
+  for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
+    for (Arm& arm : hubs[h].arms) {
+      const int other = hub_at[arm.branch][1 - arm.end];
+      arm.link = -1;
+      const auto link = link_between.find(key(arm.branch));
+      if (link != link_between.end() && link->second == arm.branch) {
+        arm.link = other;
+        linked.join(h, other);
+      }
+    }
+  }
+  std::map<int, std::vector<int>> members;
+  for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
+    members[linked.find(h)].push_back(h);
+  }
+  std::vector<std::vector<int>> groups;
+  for (auto& [first, list] : members) {
+    groups.push_back(std::move(list));
+  }
+  return groups;
+}
+
+/// Moves caps on that the other hubs of their group leave no room for: a hub alone does not know the vessel that it
+/// stands within. True if any was moved; caps may then be too near each other.
+bool clear_of_groups(const Network& network, const ImplicitSurface& surface,
+                     const std::vector<std::vector<int>>& groups, std::vector<Hub>& hubs) {
+  bool moved = false;
+  for (const std::vector<int>& group : groups) {
+    if (group.size() < 2) {
+      continue;
+    }
+    Cluster further;
+    for (const int h : group) {
+      further.push_back(hubs[h]);
+      for (Arm& arm : further.back().arms) {
+        const Branch& branch = network.branches[arm.branch];
+        const double beyond = arm.cap + 1.5 * from_end(branch, arm.end, arm.cap).radius;
+        arm.cap = arm.link >= 0 ? branch.length() : std::min(branch.length(), beyond);
+      }
+    }
+    const std::shared_ptr<const ImplicitSurface> around = surface.part(stretches_of(network, further));
+    for (const int h : group) {
+      for (Arm& arm : hubs[h].arms) {
+        const double before = arm.cap;
+        if (arm.link < 0 && move_to_tube(network, *around, arm)) {
+          moved = true;
+        } else if (arm.link < 0) {
+          arm.cap = before;  // side by side with another: nothing is gained
+        }
+      }
+    }
+  }
+  return moved;
+}
+
+/// What is left to know of the arms: where caps lie that share a short branch, cross-sections, axes.
+void finish_arms(const Network& network, double before_parting, std::vector<Hub>& hubs) {
+  std::vector<double> both(network.branches.size(), 0.0);
+  std::vector<int> ends_at_hubs(network.branches.size(), 0);
+  for (const Hub& hub : hubs) {
+    for (const Arm& arm : hub.arms) {
+      both[arm.branch] += arm.cap;
+      ++ends_at_hubs[arm.branch];
+    }
+  }
   for (Hub& hub : hubs) {
     for (Arm& arm : hub.arms) {
       const Branch& branch = network.branches[arm.branch];
-      const int other = hub_of_node[branch.nodes[1 - arm.end]];
-      const double length = branch.length();
-      const double middle_radius = from_end(branch, arm.end, 0.5 * length).radius;
-      const int self = hub_of_node[hub.node];
-      const double both = cap[arm.branch][0] + cap[arm.branch][1];
-      const auto link = link_between.find({std::min(self, other), std::max(self, other)});
-      if (link != link_between.end() && link->second == arm.branch) {
-        arm.link = other;
+      const double length = branch.length(), middle_radius = from_end(branch, arm.end, 0.5 * length).radius;
+      if (arm.link >= 0) {
         arm.cap = length;
-        linked.join(self, other);
-      } else if (other >= 0 && both + 0.3 * middle_radius > length) {
-        arm.cap *= (length - 0.3 * middle_radius) / both;  // a tight loop
+      } else if (ends_at_hubs[arm.branch] == 2 && both[arm.branch] + 0.3 * middle_radius > length) {
+        arm.cap *= (length - 0.3 * middle_radius) / both[arm.branch];  // a tight loop
       }
       const AxisPoint p = from_end(branch, arm.end, arm.cap);
       arm.radius = arm.link >= 0 ? middle_radius : p.radius;
@@ -288,12 +349,34 @@ std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface
       arm.direction = direction_of(arm);
     }
   }
-  std::map<int, std::vector<int>> members;
-  for (int h = 0; h < static_cast<int>(hubs.size()); ++h) {
-    members[linked.find(h)].push_back(h);
+}
+
+}  // namespace
+
+std::vector<double> cap_distances(const Network& network, int node) {
+  return cap_distances_of(network, branch_ends(network)[node]);
+}
+
+std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster) {
+  std::vector<Stretch> stretches;
+  for (const Hub& hub : cluster) {
+    for (const Arm& arm : hub.arms) {
+      const double length = network.branches[arm.branch].length();
+      stretches.push_back({arm.branch, arm.end == 0 ? 0.0 : length - arm.cap, arm.end == 0 ? arm.cap : length});
+    }
   }
+  return stretches;
+}
+
+std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface, double before_parting) {
+  std::vector<Hub> hubs = lone_hubs(network, surface);
+  std::vector<std::vector<int>> groups = link_hubs(network, hubs);
+  for (int round = 0; round < 4 && clear_of_groups(network, surface, groups, hubs); ++round) {
+    groups = link_hubs(network, hubs);
+  }
+  finish_arms(network, before_parting, hubs);
   std::vector<Cluster> clusters;
-  for (const auto& [first, list] : members) {
+  for (const std::vector<int>& list : groups) {
     std::map<int, int> position;
     for (std::size_t i = 0; i < list.size(); ++i) {
       position[list[i]] = static_cast<int>(i);

@@ -11,6 +11,11 @@
 namespace vasohex {
 namespace {
 
+/// Where the best arrangement so far has a lesser scaled Jacobian, or is not certified, the search looks at
+/// three times as many.
+constexpr double kFairJacobian = 0.5;
+constexpr int kLongSearch = 3;
+
 /// Hubs and how the arms of each are assigned to its cube's faces.
 struct Arrangement {
   Cluster cluster;
@@ -129,20 +134,25 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
       best = std::move(r);
     }
   };
+  const auto attempt_all = [&](const std::vector<Arrangement>& all) {
+    for (int i = 0; i < static_cast<int>(all.size()) && !is_good(); ++i) {
+      if (i >= options.candidates && best && best->solution.certified &&
+          best->solution.min_jacobian >= kFairJacobian) {
+        break;
+      }
+      attempt(all[i], false);
+    }
+  };
   const bool alone = cluster.size() == 1;
   const bool fits = !alone || cluster.front().arms.size() <= kCubeArms;
   if (fits) {
     attempt(first_arrangement(surface, cluster), !alone);
   }
   if (alone && !is_good()) {
-    const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, options.candidates);
-    for (const Arrangement& a : all) {
-      if (!is_good()) {
-        attempt(a, false);
-      }
-    }
-    if (!best) {
-      attempt(all.front(), true);
+    const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, kLongSearch * options.candidates);
+    attempt_all(all);
+    for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 3) && !(best && best->solution.certified); ++i) {
+      attempt(all[i], true);
     }
   }
   // Of several hubs the weakest is arranged anew, then the next.
@@ -160,11 +170,7 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
       break;
     }
     const Arrangement now{best->cluster, best->assignments};
-    for (const Arrangement& a : arrangements(surface, now, *weakest, options.candidates)) {
-      if (!is_good()) {
-        attempt(a, false);
-      }
-    }
+    attempt_all(arrangements(surface, now, *weakest, kLongSearch * options.candidates));
     if (best->cluster.size() < now.cluster.size()) {
       done.assign(best->cluster.size(), 0);  // two hubs became one: the numbers are new
     } else {

@@ -11,6 +11,7 @@ namespace vasohex {
 namespace {
 
 using Group = std::vector<int>;  ///< arms that share a cube
+constexpr int kMostOfGroup = 4;
 
 /// The widest angle between two arms of a group.
 double spread(const Hub& hub, const Group& group) {
@@ -23,7 +24,7 @@ double spread(const Hub& hub, const Group& group) {
   return widest;
 }
 
-/// All pairs and triples of arms that might share a cube, the narrowest first.
+/// All pairs, triples and, of many arms, quadruples that might share a cube, the narrowest first.
 std::vector<std::pair<double, Group>> groups_of(const Hub& hub) {
   constexpr double kWidest = 100 * std::numbers::pi / 180;
   const int arms = static_cast<int>(hub.arms.size());
@@ -32,7 +33,8 @@ std::vector<std::pair<double, Group>> groups_of(const Hub& hub) {
     // rounded: of equal angles, rounding must not decide
     const double angle = std::round(spread(hub, group) * 1e6) / 1e6;
     if (angle < kWidest || arms > kCubeArms) {
-      all.emplace_back(angle, group);
+      // four on a cube's sides, around the one that leads to the others, are as well placed as two at half the angle
+      all.emplace_back(group.size() == 4 ? 0.5 * angle : angle, group);
     }
   };
   for (int i = 0; i < arms; ++i) {
@@ -40,6 +42,9 @@ std::vector<std::pair<double, Group>> groups_of(const Hub& hub) {
       add({i, j});
       for (int k = j + 1; k < arms; ++k) {
         add({i, j, k});
+        for (int l = k + 1; l < arms && arms > kCubeArms; ++l) {
+          add({i, j, k, l});
+        }
       }
     }
   }
@@ -49,50 +54,48 @@ std::vector<std::pair<double, Group>> groups_of(const Hub& hub) {
 
 /// Ways of grouping the arms that leave a cube no more than it can take; those with the narrowest groups first.
 std::vector<std::vector<Group>> groupings(const Hub& hub) {
-  constexpr std::size_t kMost = 96;    // enough: the good ones are among the narrow ones
-  constexpr std::size_t kMany = 3000;  // of junctions of very many branches not all are looked at
+  constexpr std::size_t kMost = 96;  // enough: the good ones are among the narrow ones
   const int arms = static_cast<int>(hub.arms.size());
   const std::vector<std::pair<double, Group>> groups = groups_of(hub);
   const std::size_t most_groups = arms <= 9 ? 3 : (arms - kCubeArms + 1) / 2 + 1;
-  std::vector<std::pair<double, std::vector<Group>>> all;
+  std::vector<std::vector<Group>> all;
   std::vector<char> used(arms, 0);
   std::vector<Group> chosen;
-  // groups are taken in their order: the last one of a choice is its widest
-  std::function<void(std::size_t, int)> choose = [&](std::size_t first, int left) {
-    for (std::size_t g = first; g < groups.size() && all.size() < kMany; ++g) {
-      const auto& [angle, group] = groups[g];
-      if (std::any_of(group.begin(), group.end(), [&](int a) { return used[a]; })) {
-        continue;
-      }
-      const int now = left - static_cast<int>(group.size()) + 1;
-      for (const int a : group) {
-        used[a] = 1;
-      }
-      chosen.push_back(group);
-      if (now <= kCubeArms) {
-        all.emplace_back(angle, chosen);
-      }
-      if (chosen.size() < most_groups) {
-        choose(g + 1, now);
-      }
-      chosen.pop_back();
-      for (const int a : group) {
-        used[a] = 0;
-      }
+  // groups are taken in descending order: the first one of a choice is its widest
+  std::function<void(std::size_t, int)> choose = [&](std::size_t g, int left) {
+    const Group& group = groups[g].second;
+    if (all.size() >= kMost || std::any_of(group.begin(), group.end(), [&](int a) { return used[a]; })) {
+      return;
+    }
+    const int now = left - static_cast<int>(group.size()) + 1;
+    const int groups_left = static_cast<int>(most_groups - chosen.size()) - 1;
+    if (now - groups_left * (kMostOfGroup - 1) > kCubeArms) {
+      return;
+    }
+    for (const int a : group) {
+      used[a] = 1;
+    }
+    chosen.push_back(group);
+    if (now <= kCubeArms) {
+      all.push_back(chosen);
+    }
+    for (std::size_t narrower = 0; narrower < g && chosen.size() < most_groups; ++narrower) {
+      choose(narrower, now);
+    }
+    chosen.pop_back();
+    for (const int a : group) {
+      used[a] = 0;
     }
   };
-  choose(0, arms);
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<std::vector<Group>> best;
-  for (std::size_t i = 0; i < std::min(all.size(), kMost); ++i) {
-    best.push_back(all[i].second);
+  for (std::size_t widest = 0; widest < groups.size(); ++widest) {
+    choose(widest, arms);
   }
-  return best;
+  return all;
 }
 
-/// The way from the hub to the cube of a group, in the middle of its arms, as far as where the first two of them part:
-/// measured on junctions of 6 to 8 branches, cubes half as far are too near that in the middle. Empty if the arms have
-/// no middle.
+/// The way from the hub to the cube of a group, in the middle of its arms, as far as where the first two of them
+/// part: measured on junctions of 6 to 8 branches, cubes half as far are too near that in the middle. Empty if the
+/// arms have no middle.
 ArmAxis way_to_cube(const Hub& hub, const Group& group) {
   double end = 1e300, radius = 0;
   for (std::size_t a = 0; a < group.size(); ++a) {
@@ -275,7 +278,16 @@ std::vector<std::pair<Cluster, int>> merge_hub(const Cluster& cluster, int h) {
   std::vector<std::pair<Cluster, int>> all;
   for (const Arm& short_link : cluster[h].arms) {
     const int other = short_link.link;
-    if (other < 0 || length_of(short_link.axis) > 1.5 * short_link.radius) {
+    if (other < 0) {
+      continue;
+    }
+    double widest = short_link.radius;  // a link may lie within a wider vessel
+    for (const int hub : {h, other}) {
+      for (const Arm& arm : cluster[hub].arms) {
+        widest = std::max(widest, arm.radius);
+      }
+    }
+    if (length_of(short_link.axis) > 2 * widest) {
       continue;
     }
     const int kept = std::min(h, other), gone = std::max(h, other);

@@ -44,8 +44,10 @@ struct WallLayers {
 
 /// Distances from the wall, of a line of length `length` with `count` > layers parts: 0 = d[0] < ... < d[count] =
 /// length. The layers first, then parts that grow or shrink geometrically from the last layer to fill the rest.
-/// Layers that take more than 0.9 of the line are shrunk in proportion; `shrunk` tells. \param first height of the
-/// first layer, same unit as `length`.
+/// Layers that would take more than 0.75 of the line, or nearly, grow less; only where even equal ones do not fit the
+/// first one is thinner too. All is a smooth function of the length: a kink would bend the elements of order > 1 that
+/// it runs through. \param first height of the first layer, same unit as `length`. \param shrunk set to whether the
+/// line is too short.
 std::vector<double> divide_wall_line(const WallLayers& layers, double first, int count, double length, bool& shrunk);
 
 }  // namespace vasohex

@@ -434,7 +434,7 @@ void choose_names(const Skeleton& skeleton, const Run& run, Network& network) {
   }
   std::set<std::string> taken;
   for (int n = 0; n < count; ++n) {
-    if (network.nodes[n].degree == 1) {
+    if (network.nodes[n].degree == 1 && !network.nodes[n].blind) {
       by_root[component.find(n)].ends.push_back(n);
       taken.insert(network.nodes[n].name);
     }
@@ -571,6 +571,9 @@ Network build_network(const Skeleton& input, const NetworkOptions& options, cons
   }
   network.repairs.insert(network.repairs.begin(), repairs.begin(), repairs.end());
   give_names(skeleton, network);
+  for (NetworkNode& node : network.nodes) {
+    node.blind = node.degree == 1 && options.blind.contains(node.point);
+  }
   choose_names(skeleton, run, network);
   run.progress("network", 1);
   return network;

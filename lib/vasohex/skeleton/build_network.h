@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "vasohex/core/run.h"
@@ -17,6 +18,8 @@ struct NetworkOptions {
   std::optional<int> inlet;
   /// Names of ends by index of Skeleton::points; they take precedence over Skeleton::names.
   std::map<int, std::string> names;
+  /// Ends, as indices of Skeleton::points, where the vessel closes: they get no name.
+  std::set<int> blind;
 };
 
 /// Cleans, splits, smooths and resamples a skeleton: any graph with several components, cycles, and points of any

@@ -28,7 +28,8 @@ struct NetworkNode {
   int degree = 0;     ///< number of branch ends here; a loop counts twice
   int point = -1;     ///< index of the point of the skeleton it stems from
   bool seam = false;  ///< of a closed branch: not a junction
-  std::string name;   ///< of an end: `inlet`, `outlet_1`, ... unique; empty for junctions
+  bool blind = false;  ///< an end where the vessel closes: wall all around, no cap
+  std::string name;   ///< of an end: `inlet`, `outlet_1`, ... unique; empty for junctions and blind ends
 };
 
 struct Network {

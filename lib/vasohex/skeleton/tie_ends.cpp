@@ -119,13 +119,6 @@ std::vector<int> tie_ends(Skeleton& skeleton, const std::vector<SurfaceEnd>& end
       repairs.push_back("note: no vessel of the skeleton leads to " + described(ends[e]) + ": it is not meshed");
     }
   }
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    if (!taken[c]) {
-      repairs.push_back("note: the skeleton ends at point " + std::to_string(chains[c][0]) + " " +
-                        short_text(skeleton.points[chains[c][0]]) +
-                        ", where the lumen has no end: the mesh ends there in a flat cap");
-    }
-  }
   return points;
 }
 

@@ -22,6 +22,15 @@ class MovedSurface final : public ImplicitSurface {
   }
   double radius(const Vec3& x) const override { return frame_.scale * surface_->radius(frame_.inward(x)); }
   bool is_round() const override { return surface_->is_round(); }
+  /// Arc lengths are those of the network outside the frame.
+  std::shared_ptr<const ImplicitSurface> part(const std::vector<Stretch>& stretches) const override {
+    std::vector<Stretch> inside = stretches;
+    for (Stretch& stretch : inside) {
+      stretch.from /= frame_.scale;
+      stretch.to /= frame_.scale;
+    }
+    return std::make_shared<MovedSurface>(surface_->part(inside), frame_);
+  }
 
  private:
   std::shared_ptr<const ImplicitSurface> surface_;

@@ -13,6 +13,7 @@ PreparedSurface prepare_surface(TriSurface surface) {
   check_triangles(surface);
   weld_points(surface, result.repairs);
   drop_copies(surface, result.repairs);
+  weld_cracks(surface, result.repairs);
   separate_sheets(surface, result.repairs);
   orient_outward(surface, result.repairs);
   flip_needles(surface, result.repairs);

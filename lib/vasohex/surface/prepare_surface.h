@@ -16,12 +16,12 @@ struct PreparedSurface {
   std::vector<std::string> repairs;    ///< one line each: what was changed, where; and what is odd
 };
 
-/// Repairs a surface: welds points closer than rounding, removes triangles without area or given twice, separates
-/// sheets that share an edge or a point, turns all triangles outward, drops fragments (below 1 % of the largest
-/// component's area) and components inside others, closes holes in the wall, and drops flat caps. An opening counts
-/// as the end of a vessel if the wall meets its plane steeply, as a hole otherwise. A region counts as a cap if it is
-/// about plane (within 25 degrees and .15 of its radius; its rim within .05), round, and the wall leaves it steeply
-/// (45 degrees on average).
+/// Repairs a surface: welds points closer than rounding, and across cracks, removes triangles without area or given
+/// twice, separates sheets that share an edge or a point, turns all triangles outward, drops fragments (below 1 % of
+/// the largest component's area) and components inside others, closes holes in the wall, and drops flat caps. An
+/// opening counts as the end of a vessel if the wall meets its plane steeply, as a hole otherwise. A region counts as
+/// a cap if it is about plane (within 25 degrees and .15 of its radius; its rim within .05), round, and the wall
+/// leaves it steeply (45 degrees on average).
 ///
 /// Throws Error (bad_input) with the place if an index is out of range, a coordinate is not finite, no triangle
 /// remains, or a component has one side only (a Moebius band).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -39,6 +40,58 @@ std::array<int, 3> sorted(std::array<int, 3> corners) {
   return corners;
 }
 
+/// Points closer than near[] of both become one, the first; triangles with equal corners go.
+void weld(TriSurface& surface, const std::vector<double>& near, const std::string& how,
+          std::vector<std::string>& repairs) {
+  // sweep along a direction in which points of axis-parallel planes do not coincide
+  const Vec3 sweep = Vec3(0.65, 0.59, 0.48).normalized();
+  std::vector<int> order(surface.points.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<double> along(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    along[i] = sweep.dot(surface.points[i]);
+  }
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return along[a] != along[b] ? along[a] < along[b] : a < b; });
+  DisjointSets same(static_cast<int>(order.size()));
+  std::size_t welded = 0;
+  int example = -1;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (std::size_t j = i + 1; j < order.size() && along[order[j]] - along[order[i]] <= near[order[i]]; ++j) {
+      if ((surface.points[order[i]] - surface.points[order[j]]).norm() <= std::min(near[order[i]], near[order[j]])) {
+        const int a = same.find(order[i]), b = same.find(order[j]);
+        if (a != b) {
+          same.join(a, b);
+          ++welded;
+          example = example < 0 ? std::min(a, b) : example;
+        }
+      }
+    }
+  }
+  std::vector<char> gone(surface.triangles.size(), 0);
+  std::size_t flat = 0;
+  Vec3 at = Vec3::Zero();
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    auto& corners = surface.triangles[t];
+    for (int& p : corners) {
+      p = same.find(p);
+    }
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
+      gone[t] = 1;
+      at = flat++ == 0 ? surface.points[corners[0]] : at;
+    }
+  }
+  remove_triangles(surface, gone);
+  if (welded > 0) {
+    repairs.push_back(counted(welded, "point", "points") + " welded to another " + how + ", the first at " +
+                      short_text(surface.points[example]));
+  }
+  if (flat > 0) {
+    repairs.push_back(counted(flat, "triangle", "triangles") + " with equal corners removed, the first at " +
+                      short_text(at));
+  }
+}
+
 }  // namespace
 
 void check_triangles(const TriSurface& surface) {
@@ -67,53 +120,24 @@ void weld_points(TriSurface& surface, std::vector<std::string>& repairs) {
   }
   const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
   const double near = std::max(2e-7 * largest, 1e-7 * (box.max - box.min).norm());
-  // sweep along a direction in which points of axis-parallel planes do not coincide
-  const Vec3 sweep = Vec3(0.65, 0.59, 0.48).normalized();
-  std::vector<int> order(surface.points.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::vector<double> along(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    along[i] = sweep.dot(surface.points[i]);
-  }
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return along[a] != along[b] ? along[a] < along[b] : a < b; });
-  DisjointSets same(static_cast<int>(order.size()));
-  std::size_t welded = 0;
-  int example = -1;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t j = i + 1; j < order.size() && along[order[j]] - along[order[i]] <= near; ++j) {
-      if ((surface.points[order[i]] - surface.points[order[j]]).norm() <= near) {
-        const int a = same.find(order[i]), b = same.find(order[j]);
-        if (a != b) {
-          same.join(a, b);
-          ++welded;
-          example = example < 0 ? std::min(a, b) : example;
-        }
-      }
+  weld(surface, std::vector<double>(surface.points.size(), near), "within " + short_text(near), repairs);
+}
+
+void weld_cracks(TriSurface& surface, std::vector<std::string>& repairs) {
+  const std::vector<int> opposite = pair_half_edges(surface);
+  std::vector<double> near(surface.points.size(), 0);
+  for (int h = 0; h < static_cast<int>(opposite.size()); ++h) {
+    if (opposite[h] < 0) {
+      near[start_point(surface, h)] = near[end_point(surface, h)] = std::numeric_limits<double>::infinity();
     }
   }
-  std::vector<char> gone(surface.triangles.size(), 0);
-  std::size_t flat = 0;
-  Vec3 at = Vec3::Zero();
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    auto& corners = surface.triangles[t];
-    for (int& p : corners) {
-      p = same.find(p);
-    }
-    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
-      gone[t] = 1;
-      at = flat++ == 0 ? surface.points[corners[0]] : at;
-    }
+  for (int h = 0; h < static_cast<int>(opposite.size()); ++h) {
+    const int a = start_point(surface, h), b = end_point(surface, h);
+    const double tenth = 0.1 * (surface.points[a] - surface.points[b]).norm();
+    near[a] = std::min(near[a], tenth);
+    near[b] = std::min(near[b], tenth);
   }
-  remove_triangles(surface, gone);
-  if (welded > 0) {
-    repairs.push_back(counted(welded, "point", "points") + " welded to another within " + short_text(near) +
-                      ", the first at " + short_text(surface.points[example]));
-  }
-  if (flat > 0) {
-    repairs.push_back(counted(flat, "triangle", "triangles") + " with equal corners removed, the first at " +
-                      short_text(at));
-  }
+  weld(surface, near, "across cracks", repairs);
 }
 
 void drop_copies(TriSurface& surface, std::vector<std::string>& repairs) {

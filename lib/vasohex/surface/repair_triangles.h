@@ -15,6 +15,10 @@ void check_triangles(const TriSurface& surface);
 /// Points closer than the rounding of single precision become one, the first; triangles with equal corners go.
 void weld_points(TriSurface& surface, std::vector<std::string>& repairs);
 
+/// Points of rims closer than a tenth of the shortest edge there become one, the first: cracks between triangles that
+/// were meant to be neighbours.
+void weld_cracks(TriSurface& surface, std::vector<std::string>& repairs);
+
 /// Of triangles with the same corners one remains, or none where they are a film between others that close the
 /// surface.
 void drop_copies(TriSurface& surface, std::vector<std::string>& repairs);

@@ -70,6 +70,7 @@ double steepness(const TriSurface& surface, const std::vector<int>& half_edges, 
   return length > 0 ? sum / length : 0;
 }
 
+constexpr std::size_t kFewest = 6;  // edges of an end or a cap
 constexpr double kSteep = 0.5;
 constexpr double kAlike = 0.9;      // cosine: triangles of one cap, against the first one's normal
 constexpr double kBulge = 0.15;     // of the radius: a cap that is a flat cone (with a point in the middle) counts
@@ -77,7 +78,7 @@ constexpr double kOffPlane = 0.05;  // of the radius: a cap's rim
 
 bool is_end(const TriSurface& surface, const std::vector<int>& rim) {
   const Disc disc = disc_of(surface, cap_order(surface, rim));
-  return disc.radius > 0 && steepness(surface, rim, disc.normal) > kSteep;
+  return rim.size() >= kFewest && disc.radius > 0 && steepness(surface, rim, disc.normal) > kSteep;
 }
 
 }  // namespace
@@ -155,7 +156,7 @@ void drop_caps(TriSurface& surface, std::vector<std::string>& repairs) {
         }
       }
     }
-    if (open || outline.size() < 5) {
+    if (open || outline.size() < kFewest) {
       continue;
     }
     double fold = 0;
