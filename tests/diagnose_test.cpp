@@ -70,7 +70,7 @@ TEST(Diagnose, ForksThatPartGiveNothing) {
         findings_of(star({{-1, 0, 0}, {std::cos(a), std::sin(a), 0}, {std::cos(a), -std::sin(a), 0}}, {1, 1, 1}, 30));
     EXPECT_TRUE(f.empty()) << degrees << "\n" << listed(f);
   }
-  for (const double thin : {.05, .2, .5}) {  // thin side branches of a wide vessel
+  for (const double thin : {.08, .2, .5}) {  // thin side branches of a wide vessel
     const auto f = findings_of(star({{-1, 0, 0}, {1, 0, 0}, {.7, 1, 0}}, {1, 1, thin}, 8));
     EXPECT_TRUE(f.empty()) << thin << "\n" << listed(f);
   }
@@ -141,7 +141,7 @@ TEST(Diagnose, DaughtersThatMeetAgain) {
     int before = 0;
     for (int i = 1; i <= 40; ++i) {
       const double x = .5 * i;
-      s.points.push_back(Vec3(x, side * (.9 + 4 * std::sin(kPi * std::min(x, 12.) / 12)), 0));
+      s.points.push_back(Vec3(x, side * (.9 + 2 - 2 * std::cos(kPi * std::min(x, 12.) / 6)), 0));
       s.radii.push_back(1);
       s.segments.push_back({before, static_cast<int>(s.points.size()) - 1});
       before = static_cast<int>(s.points.size()) - 1;
@@ -202,6 +202,14 @@ TEST(Diagnose, BendSharperThanItsRadius) {
     EXPECT_EQ(f[0].severity, radius < 1 ? Severity::error : Severity::warning);
     EXPECT_NEAR(f[0].figure, 1 / radius, 1e-3);
   }
+}
+
+TEST(Diagnose, ThinBranch) {
+  EXPECT_EQ(count(findings_of(star({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}}, {1, 1, .1}, 12)), FindingKind::thin_branch), 0);
+  const auto f = findings_of(star({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}}, {1, 1, .05}, 12));
+  ASSERT_EQ(count(f, FindingKind::thin_branch), 1) << listed(f);
+  EXPECT_LT(f[0].at.norm(), 1e-9);
+  EXPECT_NEAR(f[0].figure, 20, 1);
 }
 
 TEST(Diagnose, SteepTaper) {

@@ -298,14 +298,58 @@ TEST(BuildNetwork, RepairsAreDoneAndReported) {
   EXPECT_EQ(n.nodes[1].name, "end");
 }
 
-TEST(BuildNetwork, PointsThatTurnBackAreLeftOut) {
-  Skeleton s = one_branch(12, 1, [](int i) { return Vec3(i == 6 ? 4.2 : i, i == 6 ? .3 : 0, 0); });
-  const Network n = build_network(s);
-  expect_sound(n);
-  EXPECT_GE(lines_with(n, "left out"), 1);
-  for (const Vec3& t : n.branches[0].tangents) {
-    EXPECT_GT(t.x(), .5);
+double sharpest_bend(const Branch& b) {  // radius times curvature
+  double largest = 0;
+  for (std::size_t i = 1; i < b.points.size(); ++i) {
+    const double turn = (b.tangents[i] - b.tangents[i - 1]).norm() / (b.arc[i] - b.arc[i - 1]);
+    largest = std::max(largest, turn * (b.radii[i] + b.radii[i - 1]) / 2);
   }
+  return largest;
+}
+
+TEST(BuildNetwork, DetoursVanish) {
+  const Network n = build_network(one_branch(12, 1, [](int i) { return Vec3(i == 6 ? 4.2 : i, i == 6 ? .3 : 0, 0); }));
+  expect_sound(n);
+  EXPECT_EQ(lines_with(n, "too sharp for a tube: rounded"), 1);
+  EXPECT_LT(sharpest_bend(n.branches[0]), 1.1);
+  EXPECT_LT(n.branches[0].length(), 12.5);  // 14.7 along the points
+}
+
+TEST(BuildNetwork, SharpBendsAreRoundedAsFarAsThatTakes) {
+  // corner of two long straight stretches, of any sampling: the arc of the bend touches both of them
+  for (const double spacing : {.4, 1.0, 3.0, 6.0}) {
+    for (const double degrees : {70.0, 110.0, 140.0}) {
+      const double a = degrees * kPi / 180;
+      const int half = static_cast<int>(std::lround(24 / spacing));
+      const Network n = build_network(one_branch(2 * half + 1, 1, [&](int i) {
+        const double s = spacing * (i - half);
+        return Vec3(s < 0 ? s : s * std::cos(a), s < 0 ? 0 : s * std::sin(a), 0);
+      }));
+      expect_sound(n);
+      const Branch& b = n.branches[0];
+      EXPECT_LT(sharpest_bend(b), 1) << spacing << " " << degrees;
+      double nearest = 1e9;  // of the axis to the corner
+      for (int i = 0; i <= 4000; ++i) {
+        nearest = std::min(nearest, axis_point(b, b.length() * i / 4000).position.norm());
+      }
+      EXPECT_LT(nearest, 1.25 * (1 / std::cos(a / 2) - 1) + .2) << spacing << " " << degrees;
+      EXPECT_LT((b.tangents.front() - Vec3::UnitX()).norm(), 2e-2);
+    }
+  }
+}
+
+TEST(BuildNetwork, HairpinsKeepTheirLength) {
+  const Network n = build_network(one_branch(60, 1, [](int i) {  // two limbs 1.4 apart, 14 long
+    const double s = .5 * (i - 29.5), turn = .7 * kPi / 2;
+    return std::abs(s) < turn ? Vec3(.7 * std::cos(s / .7), .7 * std::sin(s / .7), 0)
+                              : Vec3(turn - std::abs(s), s > 0 ? .7 : -.7, 0);
+  }));
+  expect_sound(n);
+  double farthest = -1e9;
+  for (const Vec3& p : n.branches[0].points) {
+    farthest = std::max(farthest, p.x());
+  }
+  EXPECT_GT(farthest, .3);
 }
 
 TEST(BuildNetwork, CyclesComponentsDegrees) {

@@ -19,6 +19,8 @@ const char* title(FindingKind kind, bool one) {
       return one ? "bend sharper than 1.1 radii" : "bends sharper than 1.1 radii";
     case FindingKind::steep_taper:
       return one ? "steep change of a radius" : "steep changes of radii";
+    case FindingKind::thin_branch:
+      return one ? "branch far thinner than its junction" : "branches far thinner than their junctions";
     case FindingKind::stub:
       return one ? "branch that ends inside its parent" : "branches that end inside their parents";
     case FindingKind::fragment:

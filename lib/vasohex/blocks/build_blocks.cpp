@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -184,6 +185,38 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
       run.progress("junctions", static_cast<double>(++done) / clusters.size());
     }
   });
+
+  // Where a cube of branches side by side stands best cannot be told before: other places for those that failed
+  for (const double before_parting : {0.3, -0.5, std::numeric_limits<double>::infinity()}) {
+    std::vector<std::size_t> failed;
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      if (!solved[c].solution.certified) {
+        failed.push_back(c);
+      }
+    }
+    if (failed.empty()) {
+      break;
+    }
+    const std::vector<Cluster> moved = find_clusters(network, surface, before_parting);
+    parallel_for(run, failed.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Cluster &before = clusters[failed[i]], &now = moved[failed[i]];
+        const auto is_there = [](const Hub& a, const Hub& b) { return a.centre == b.centre; };
+        if (!std::equal(now.begin(), now.end(), before.begin(), is_there)) {
+          ClusterResult r = solve_cluster(*surface.part(stretches_of(network, now)), now, options);
+          ClusterResult& best = solved[failed[i]];
+          r.candidates += best.candidates;
+          r.cpu_seconds += best.cpu_seconds;
+          if (r.solution.is_better_than(best.solution)) {
+            best = std::move(r);
+          } else {
+            best.candidates = r.candidates;
+            best.cpu_seconds = r.cpu_seconds;
+          }
+        }
+      }
+    });
+  }
 
   BlockStructure out;
   out.optimise_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "vasohex/core/disjoint_sets.h"
+#include "vasohex/skeleton/limit_bends.h"
 #include "vasohex/surface/project.h"
 
 namespace vasohex {
@@ -83,9 +84,9 @@ ArmAxis sample(const Branch& branch, int end, double from, double to) {
 }
 
 /// Ways from the hub's centre into its arms. Where two of three branches run side by side beyond the node the centre
-/// moves on to a radius before they part, and the third branch reaches it on the middle line between them: a cube at
-/// the node would have to stretch as far.
-std::vector<Departure> depart(const Network& network, Hub& hub) {
+/// moves on to so many radii before they part, and the third branch reaches it on the middle line between them: a cube
+/// at the node would have to stretch as far.
+std::vector<Departure> depart(const Network& network, double before_parting, Hub& hub) {
   std::vector<Departure> departures(hub.arms.size());
   for (std::size_t a = 0; a < hub.arms.size(); ++a) {
     const AxisPoint p = from_end(network.branches[hub.arms[a].branch], hub.arms[a].end, 0);
@@ -107,7 +108,8 @@ std::vector<Departure> depart(const Network& network, Hub& hub) {
   }
   const int i = (third + 1) % 3, j = (third + 2) % 3;
   const double at = std::max(arm_point(axes[i], parting[third]).radius, arm_point(axes[j], parting[third]).radius);
-  const double move = parting[third] - at;
+  const double room = std::min(length_of(axes[i]), length_of(axes[j])) - 0.5 * at;
+  const double move = std::min(parting[third] - before_parting * at, room);
   // all three side by side: there is no middle line to come back on
   if (move < 0.25 * at || std::max(parting[i], parting[j]) > 0.6 * parting[third]) {
     return departures;
@@ -151,6 +153,9 @@ ArmAxis axis_between(const Branch& branch, int end, double cap, const std::array
   }
   if (axis.points.size() < 2) {
     append(axis, sample(branch, end, cap, cap));
+  }
+  if (axis.points.size() > 2) {
+    limit_bends(axis.points, axis.radii);
   }
   return axis;
 }
@@ -308,7 +313,7 @@ bool clear_of_groups(const Network& network, const ImplicitSurface& surface,
 }
 
 /// What is left to know of the arms: where caps lie that share a short branch, cross-sections, axes.
-void finish_arms(const Network& network, std::vector<Hub>& hubs) {
+void finish_arms(const Network& network, double before_parting, std::vector<Hub>& hubs) {
   std::vector<double> both(network.branches.size(), 0.0);
   std::vector<int> ends_at_hubs(network.branches.size(), 0);
   for (const Hub& hub : hubs) {
@@ -333,7 +338,7 @@ void finish_arms(const Network& network, std::vector<Hub>& hubs) {
   }
   std::vector<std::array<Departure, 2>> departures(network.branches.size());
   for (Hub& hub : hubs) {
-    const std::vector<Departure> of_arms = depart(network, hub);
+    const std::vector<Departure> of_arms = depart(network, before_parting, hub);
     for (std::size_t a = 0; a < hub.arms.size(); ++a) {
       departures[hub.arms[a].branch][hub.arms[a].end] = of_arms[a];
     }
@@ -363,13 +368,13 @@ std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster
   return stretches;
 }
 
-std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface) {
+std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface, double before_parting) {
   std::vector<Hub> hubs = lone_hubs(network, surface);
   std::vector<std::vector<int>> groups = link_hubs(network, hubs);
   for (int round = 0; round < 4 && clear_of_groups(network, surface, groups, hubs); ++round) {
     groups = link_hubs(network, hubs);
   }
-  finish_arms(network, hubs);
+  finish_arms(network, before_parting, hubs);
   std::vector<Cluster> clusters;
   for (const std::vector<int>& list : groups) {
     std::map<int, int> position;

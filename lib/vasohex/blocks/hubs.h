@@ -14,7 +14,9 @@ using Cluster = std::vector<Hub>;
 
 /// All clusters of the network, in the order of their first node. Caps lie where the surface around the branch is a
 /// tube again; branches too short for two caps become links.
-std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface);
+/// Where two of three branches leave side by side their cube stands `before_parting` radii before their tubes part;
+/// infinity: at the node.
+std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface, double before_parting = 1);
 
 /// The stretches of the network that the cluster's blocks take up.
 std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster);

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kSharpBend = 1 / 1.1;
 constexpr double kSteepTaper = 0.6;
+constexpr double kThin = 14;    // radius of a junction over that of its branch; blocks get from 1 to 12, not from 1 to 20
 constexpr double kTiny = 0.01;  // part of the largest component's volume
 
 std::string rounded(double value) { return short_text(std::round(100 * value) / 100); }
@@ -246,6 +247,30 @@ void add_bends_and_tapers(const Network& network, std::vector<Finding>& findings
   }
 }
 
+void add_thin_branches(const Network& network, std::vector<Finding>& findings) {
+  for (std::size_t b = 0; b < network.branches.size(); ++b) {
+    const Branch& branch = network.branches[b];
+    for (int end = 0; end < 2; ++end) {
+      const NetworkNode& node = network.nodes[branch.nodes[end]];
+      const double own = end == 0 ? branch.radii.front() : branch.radii.back();
+      if (node.degree < 3 || node.radius < kThin * own) {
+        continue;
+      }
+      Finding f;
+      f.kind = FindingKind::thin_branch;
+      f.severity = Severity::warning;
+      f.branches = {static_cast<int>(b), -1};
+      f.at = node.position;
+      f.point = node.point;
+      f.figure = node.radius / own;
+      f.text = vessel(network, static_cast<int>(b)) + " has the radius " + short_text(own) + " at the junction at " +
+               short_text(f.at) + ", whose radius is " + short_text(node.radius) + ": " + rounded(f.figure) + " times as much";
+      f.cure = "check the radii of the points there; leave the branch out if it does not matter";
+      findings.push_back(f);
+    }
+  }
+}
+
 /// The point of a branch at a distance from one of its ends.
 Vec3 from_end(const Network& network, const BranchEnd& end, double s) {
   const Branch& branch = network.branches[end.branch];
@@ -361,7 +386,7 @@ double badness(const Finding& f) {
 
 std::string_view name_of(FindingKind kind) {
   constexpr std::string_view names[]{"overlap",    "touch",       "hairpin", "side_by_side",
-                                     "sharp_bend", "steep_taper", "stub",    "fragment",
+                                     "sharp_bend", "steep_taper", "thin_branch", "stub",    "fragment",
                                      "near_junctions"};
   return names[static_cast<int>(kind)];
 }
@@ -375,6 +400,7 @@ std::vector<Finding> diagnose(const Network& network) {
   std::vector<Finding> findings;
   add_contacts(network, findings);
   add_bends_and_tapers(network, findings);
+  add_thin_branches(network, findings);
   add_stubs(network, findings);
   add_near_junctions(network, findings);
   std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {

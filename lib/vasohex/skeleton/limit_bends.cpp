@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 namespace vasohex {
 namespace {
@@ -39,7 +41,7 @@ struct String {
       return 0;
     }
     const Vec3 a = at(j).position - at(j - 1).position, b = at(j + 1).position - at(j).position;
-    return 2 * std::atan2(a.cross(b).norm(), a.dot(b)) / (a.norm() + b.norm()) * at(j).radius;
+    return 2 * angle_between(a, b) / (a.norm() + b.norm()) * at(j).radius;
   }
 };
 
@@ -223,6 +225,52 @@ std::vector<MovedRun> runs_of(const String& string, std::size_t knots) {
   return runs;
 }
 
+/// The string along a curve, relaxed; and its runs that moved.
+struct Relaxed {
+  String string;
+  std::vector<MovedRun> runs;
+};
+
+Relaxed relaxed(const SpaceSpline& curve, const std::vector<double>& radii, const std::vector<bool>& fixed,
+                bool closed) {
+  std::vector<MovedRun> left;
+  for (;;) {
+    Relaxed result{beads_along(curve, radii, fixed, closed), {}};
+    for (Bead& bead : result.string.beads) {
+      bead.fixed |= std::any_of(left.begin(), left.end(), [&](const MovedRun& run) {
+        return run.first - 1e-9 < bead.place && bead.place < run.last + 1e-9;
+      });
+    }
+    for (int pass = 0; pass < kPasses; ++pass) {
+      relax(result.string);
+      set_radii(result.string, radii);
+    }
+    result.runs = runs_of(result.string, curve.t.size());
+    // beads that became one have forgotten where they came from
+    const String before = beads_along(curve, radii, fixed, closed);
+    for (MovedRun& run : result.runs) {
+      for (const Bead& old : before.beads) {
+        if (old.place < run.first || old.place > run.last) {
+          continue;
+        }
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const Bead& now : result.string.beads) {
+          nearest = std::min(nearest, (now.position - old.position).norm());
+        }
+        if (nearest > run.bend.moved * old.radius) {
+          run.bend = {std::min(static_cast<std::size_t>(std::lround(old.place)), curve.t.size() - 1),
+                      nearest / old.radius};
+        }
+      }
+    }
+    const auto too_far = [](const MovedRun& run) { return run.bend.moved > kFarthest; };
+    if (std::none_of(result.runs.begin(), result.runs.end(), too_far)) {
+      return result;
+    }
+    std::copy_if(result.runs.begin(), result.runs.end(), std::back_inserter(left), too_far);
+  }
+}
+
 }  // namespace
 
 LimitedBends limit_bends(const SpaceSpline& curve, const std::vector<double>& radii, const std::vector<bool>& fixed,
@@ -231,29 +279,7 @@ LimitedBends limit_bends(const SpaceSpline& curve, const std::vector<double>& ra
   if (sharpest(curve, radii) <= kTooSharp) {
     return result;
   }
-  String string;
-  std::vector<MovedRun> runs, left;
-  for (bool again = true; again;) {
-    string = beads_along(curve, radii, fixed, closed);
-    for (Bead& bead : string.beads) {
-      bead.fixed |= std::any_of(left.begin(), left.end(), [&](const MovedRun& run) {
-        return run.first - 1e-9 < bead.place && bead.place < run.last + 1e-9;
-      });
-    }
-    for (int pass = 0; pass < kPasses; ++pass) {
-      relax(string);
-      set_radii(string, radii);
-    }
-    runs = runs_of(string, curve.t.size());
-    again = false;
-    for (const MovedRun& run : runs) {
-      if (run.bend.moved > kFarthest) {
-        left.push_back(run);
-        again = true;
-      }
-    }
-  }
-
+  const auto [string, runs] = relaxed(curve, radii, fixed, closed);
   const int n = string.count();
   const Lengths lengths = lengths_of(string, curve.t.size());
   KnotData data{lengths.beads, Eigen::MatrixXd(n, 3), closed};
@@ -276,6 +302,22 @@ LimitedBends limit_bends(const SpaceSpline& curve, const std::vector<double>& ra
     result.rounded.push_back(run.bend);
   }
   return result;
+}
+
+void limit_bends(std::vector<Vec3>& points, std::vector<double>& radii) {
+  SpaceSpline line{{0}, points, std::vector<Vec3>(points.size(), Vec3::Zero())};
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    line.t.push_back(line.t.back() + (points[i + 1] - points[i]).norm());
+  }
+  std::vector<bool> fixed(points.size(), false);
+  fixed.front() = fixed.back() = true;
+  const Relaxed result = relaxed(line, radii, fixed, false);
+  points.clear();
+  radii.clear();
+  for (const Bead& bead : result.string.beads) {
+    points.push_back(bead.position);
+    radii.push_back(bead.radius);
+  }
 }
 
 }  // namespace vasohex

@@ -27,4 +27,8 @@ struct LimitedBends {
 LimitedBends limit_bends(const SpaceSpline& curve, const std::vector<double>& radii, const std::vector<bool>& fixed,
                          bool closed);
 
+/// The same for a polyline [n >= 2] without pieces of length zero, whose ends stay. It gets other points, a quarter of
+/// a radius apart.
+void limit_bends(std::vector<Vec3>& points, std::vector<double>& radii);
+
 }  // namespace vasohex
