@@ -5,10 +5,6 @@
 #include <unordered_map>
 
 #include "vasohex/core/short_text.h"
-<<<<<<< HEAD
-=======
-#include "vasohex/skeleton/clean.h"
->>>>>>> 2d3068fbcc200e8827a1ad73c27a2e04ce7342c6
 
 namespace vasohex {
 namespace {
