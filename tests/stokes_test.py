@@ -31,19 +31,17 @@ def run(source, *options):
 
 
 def convergence():
-    """Rates of the L2 errors: at least k + 1 - .4 for velocities and pressures (whose exact solution is linear), k - .2
-    for the wall's shear stress, where the geometry has the velocity's degree; a half of the way suffices to see them."""
-    done = subprocess.run([poiseuille, "2"], capture_output=True, text=True, check=True)
+    """Rates of the L2 errors: at least k + 1 - .4 for velocities and pressures (whose exact solution is linear, down to what the residual allows), k - .4
+    for the wall's shear stress, where the geometry has the velocity's degree."""
+    done = subprocess.run([poiseuille, "3"], capture_output=True, text=True, check=True)
     rows = [[c.strip() for c in line.split("|")[1:-1]] for line in done.stdout.splitlines()[2:]]
-    check(len(rows) == 10, "poiseuille: 5 pairs of degrees on 2 meshes")
-    for row in rows:
+    check(len(rows) == 15, "poiseuille: 5 pairs of degrees on 3 meshes")
+    for row in rows[2::3]:  # the finest of each pair: the coarse ones are far from their asymptotic rates
         order, degree = int(row[0]), int(row[1])
-        if "(" not in row[5]:
-            continue
         velocity, pressure, shear = (float(re.search(r"\((.*)\)", c).group(1)) for c in row[5:8])
         text = f"geometry {order}, velocity {degree}: rates {velocity}, {pressure}, {shear}"
         if order == degree:
-            check(velocity > degree + .6 and pressure > degree + .4 and shear > degree - .2, text)
+            check(velocity > degree + .6 and (pressure > degree + .4 or float(row[6].split()[0]) < 1e-9) and shear > degree - .4, text)
         else:  # the geometry's error is what remains
             check(velocity > order + .6, text)
 
@@ -69,9 +67,9 @@ def refusals():
     iliac = f"{meshes}/iliac_bifurcation.swc"
     for what, source, options, word in [
         ("several inlets without flows", f"{meshes}/willis_cycle.json", [], "--flow"),
-        ("an end that does not exist", iliac, ["--flow", "nowhere=1"], "nowhere"),
+        ("an end that does not exist", iliac, ["--flow-rate", "1", "--flow", "nowhere=1"], "nowhere"),
         ("no outlet", iliac, ["--flow", "outlet_1=-1", "--flow", "outlet_2=-1", "--flow-rate", "2"], "outlet"),
-        ("the wall as an end", iliac, ["--flow", "wall=1"], "wall"),
+        ("the wall as an end", iliac, ["--flow-rate", "1", "--flow", "wall=1"], "wall"),
         ("flow and resistance", iliac, ["--flow-rate", "1", "--resistance", "inlet=1"], "only one"),
         ("no number", iliac, ["--flow", "inlet=much"], "NAME=NUMBER"),
         ("no file", f"{meshes}/nothing.swc", [], "nothing.swc"),
