@@ -18,7 +18,7 @@ if [ $# -eq 1 ]; then
   need_packages libdeal.ii-dev python3-vtk9 python3-numpy xvfb xauth
   echo "== building the flow solver into build/demo-flow: some ten minutes"
   cmake -S . -B build/demo-flow -G Ninja -DCMAKE_BUILD_TYPE=Release -DVASOHEX_GMSH=OFF -DVASOHEX_TESTS=OFF \
-    -DVASOHEX_DEALII=ON
+    -DVASOHEX_DEALII=ON -DVASOHEX_SOLVER_DEMO=ON
   cmake --build build/demo-flow --target vasohex_stokes
   echo "== flow through meshes/iliac_bifurcation.swc, 50 ml/s"
   build/demo-flow/solver_demo/vasohex_stokes meshes/iliac_bifurcation.swc --order 3 --elements 4 --flow-rate 50000 \
