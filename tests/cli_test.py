@@ -1,5 +1,6 @@
 """Drives the program as a user would: cli_test.py VASOHEX MESHES HAS_GMSH(0|1)"""
 import json
+import math
 import pathlib
 import struct
 import subprocess
@@ -79,6 +80,19 @@ BAD_ARGUMENTS = (
     (["--nosuch"], ["--nosuch", "vasohex mesh --help"]),
     (["--config", "nowhere.toml"], ["nowhere.toml"]),
 )
+
+
+def tube_off(around=24, rows=40, length=10.0):
+    """A tube of radius 1 along z as OFF, outward quadrilaterals, closed by flat caps."""
+    points = [(math.cos(2 * math.pi * i / around), math.sin(2 * math.pi * i / around), length * row / rows)
+              for row in range(rows + 1) for i in range(around)] + [(0, 0, 0), (0, 0, length)]
+    faces = [(row * around + i, row * around + (i + 1) % around, (row + 1) * around + (i + 1) % around,
+              (row + 1) * around + i) for row in range(rows) for i in range(around)]
+    top = rows * around
+    faces += [((i + 1) % around, i, len(points) - 2) for i in range(around)]
+    faces += [(top + i, top + (i + 1) % around, len(points) - 1) for i in range(around)]
+    return "\n".join(["OFF", f"{len(points)} {len(faces)} 0", *(f"{x} {y} {z}" for x, y, z in points),
+                      *(" ".join(map(str, (len(face), *face))) for face in faces)]) + "\n"
 
 
 def vasohex(*arguments, cwd=None):
@@ -252,6 +266,50 @@ class Cli(unittest.TestCase):
         self.assertEqual([end["name"] for end in figures["ends"]], ["inlet", "outlet_1", "outlet_2"])
         out = self.run_well("info", MESHES / "willis_cycle.json")
         self.assertIn("1 component(s), 1 loop(s)", out)
+
+    def test_lumen(self):
+        (self.folder / "tube.off").write_text(tube_off())
+        text = self.run_well("mesh", "tube.off", "-o", "out.msh", "--order", "2", "-n", "2", "--json", "out.json",
+                             "--units", "mm")
+        self.assertIn("flat cap", text)
+        figures = json.loads((self.folder / "out.json").read_text())
+        self.assertEqual(figures["lumen"]["ends"], 2)
+        self.assertLess(figures["lumen"]["deviation"]["max"], 0.02)
+        self.assertEqual([s["name"] for s in figures["surfaces"]], ["wall", "inlet", "outlet_1"])
+        self.assertEqual((figures["validity"]["invalid"], figures["unconverged_projections"]), (0, 0))
+        self.assertGreater(figures["quality"]["scaled_jacobian"]["min"], 0.75)
+        self.run_well("skeleton", "tube.off", "-o", "tube.swc", "-o", "tube.json", "-o", "tube.vtp")
+        skeleton = json.loads((self.folder / "tube.json").read_text())
+        for (x, y, z), radius in zip(skeleton["points"], skeleton["radius"]):
+            self.assertLess(math.hypot(x, y), 0.05)
+            self.assertAlmostEqual(radius, 1, delta=0.03)
+        self.assertEqual(sorted(round(z, 6) for _, _, z in skeleton["points"])[::len(skeleton["points"]) - 1], [0, 10])
+        # one given for the other, and facets
+        self.run_well("mesh", "tube.swc", "--surface", "tube.off", "-o", "out.msh", "-n", "2")
+        self.run_well("mesh", "tube.off", "--skeleton", "tube.json", "--facets", "-o", "out.msh", "-n", "2")
+
+    def test_bad_lumens(self):
+        tube = tube_off()
+        for wrong, name, text, named in (
+                ("empty", "a.off", "", ["a.off"]), ("empty", "a.stl", "", ["a.stl"]),
+                ("not a number", "a.off", tube.replace("1.0 0.0 0.0", "1.0 nan 0.0", 1), ["a.off", "line 3", "nan"]),
+                ("cut off", "a.off", tube[:len(tube) // 2], ["a.off"]),
+                ("no such point", "a.off", tube.replace("4 0 1 25 24", "4 0 1 25 9999"), ["a.off", "9999"]),
+                ("empty", "a.nii", "", ["a.nii"]), ("missing", "none.stl", None, ["none.stl"])):
+            if text is not None:
+                (self.folder / name).write_text(text)
+            for command, output in (("mesh", "out.msh"), ("skeleton", "out.json")):
+                with self.subTest(wrong, file=name, command=command):
+                    self.check_refused([command, name, "-o", output], named)
+        (self.folder / "tube.off").write_text(tube)
+        (self.folder / "a.swc").write_text(SWC)
+        for arguments, named in ((["a.swc", "--skeleton", "a.swc"], ["--skeleton", "--surface"]),
+                                 (["tube.off", "--surface", "tube.off"], ["--surface", "--skeleton"]),
+                                 (["a.swc", "--surface", "a.swc"], ["--surface", "not a lumen"]),
+                                 (["tube.off", "--labels", "1"], ["--labels", "no labelmap"]),
+                                 (["a.swc", "--facets"], ["--facets"])):
+            with self.subTest(" ".join(arguments)):
+                self.check_refused(["mesh", *arguments, "-o", "out.msh"], named)
 
     def test_findings(self):
         (self.folder / "a.json").write_text(CROSSING)

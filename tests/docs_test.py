@@ -86,7 +86,7 @@ class Docs(unittest.TestCase):
         self.assertEqual(example, (SOURCE / "tests/consumer/lumen_volume.cpp").read_text())
 
     def test_options(self):
-        for command in ("mesh", "check", "info", "blocks"):
+        for command in ("mesh", "check", "info", "skeleton", "blocks"):
             rows = first_column(section(f"vasohex {command}") + section("Options of every command"))
             written = {option for row in rows for option in re.findall(r"(?<![\w-])--?[a-z][a-z-]*", row)}
             shown = re.findall(r"^  (-\S+)", vasohex(self.folder, command, "--help"), re.M)

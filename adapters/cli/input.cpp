@@ -140,7 +140,7 @@ void Input::add_to(CLI::App& command) {
   command.add_option("--units", units, "Unit of the input: um, mm, cm or m. Overrides what the file says")
       ->check(CLI::IsMember({"um", "mm", "cm", "m"}));
   command.add_option("--inlet", inlet, "Point of the skeleton (index from 0, in file order) whose end is the inlet")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number(0));
 }
 
 void Input::add_repair(CLI::App& command, SkeletonMeshOptions& options) {
