@@ -259,6 +259,11 @@ TEST(ExtractSkeleton, DeadEndsAreKeptAndNoted) {
   };
   const Extraction none = extracted(iso_surface(bump, Vec3(-5.01, -1.52, -1.53), 0.2, {50, 36, 16}));
   EXPECT_EQ(count_ends(none.skeleton), 2);
+  const Field thorn = [&](const Vec3& x) {  // as long as the blind vessel, a quarter as thick as its parent
+    return std::min(line(x, Vec3::UnitX(), 1), capsule(x, Vec3::Zero(), Vec3(0, 3.2, 0), 0.25));
+  };
+  const Extraction thin = extracted(iso_surface(thorn, Vec3(-5.01, -1.52, -1.53), 0.1, {100, 72, 32}));
+  EXPECT_EQ(count_ends(thin.skeleton), 2);
 }
 
 /// The largest distance of a point of `a` from the segments of `b`.

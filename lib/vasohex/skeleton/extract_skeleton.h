@@ -32,9 +32,8 @@ struct Extraction {
 /// - Points are about half a radius apart.
 /// - As many independent cycles as the closed surface has holes (its genus). A note tells if one was lost: under the
 ///   flow, holes of a radius below about .4 of the radius of the vessel around them close.
-/// - Dead ends without a SurfaceEnd stay if they reach out of the vessel they branch off by more than 1.7 of its
-/// radii
-///   and their own radius; longer ones than their own radius that do not stay, and those that do, are noted.
+/// - Dead ends without a SurfaceEnd stay if they reach out of the vessel they branch off by more than 1.5 of its radii
+///   (4 if they are thinner than .3 of it) and their own radius; longer ones than their own radius that do not stay, and those that do, are noted.
 ///
 /// Deterministic, the same for any number of threads. Commutes with scaling and rigid motion up to some hundredths of
 /// a radius: which of several equally short edges is collapsed first is a matter of rounding. Throws Error

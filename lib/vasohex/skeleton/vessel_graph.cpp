@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kMergeJunctions = 0.2;  ///< local widths
 constexpr double kLeastReach = 1.5;      ///< of dead ends out of their vessel, in its radii
+constexpr double kThinReach = 4;         ///< the same of those thinner than kThin of it: a bump of the wall, not a vessel
+constexpr double kThin = 0.3;
 constexpr double kTipLeft = 1.0 / 3;     ///< radii between a dead end and the wall: keeps the volume of a round one
 
 constexpr int kNoEnd = -1, kDeadEnd = -2;
@@ -209,7 +211,7 @@ DeadEnd dead_end_at(const Graph& graph, const ClosedLumen& lumen, int tip) {
     }
   }
   dead.reach = graph.length(dead.chain) + dead.to_wall - parent;
-  dead.least = std::max(dead.radius, kLeastReach * parent);
+  dead.least = std::max(dead.radius, (dead.radius < kThin * parent ? kThinReach : kLeastReach) * parent);
   return dead;
 }
 
