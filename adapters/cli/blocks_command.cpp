@@ -7,6 +7,7 @@
 #include "option_checks.h"
 #include "report.h"
 #include "vasohex/block_file.h"
+#include "vasohex/core/text_lines.h"
 #include "vtk/write_vtu.h"
 
 namespace vasohex::cli {
@@ -23,19 +24,17 @@ void run_blocks(BlocksCommand& c, Common& common) {
     usage("an output is needed: -o BLOCKS.vtu or -o BLOCKS.json");
   }
   for (const std::string& output : c.outputs) {
-    const std::string ext = extension(output);
+    const std::string ext = lower_extension(output);
     if (ext != ".json" && ext != ".vtu") {
       usage("output " + output + ": unknown extension '" + ext + "', use .vtu or .json");
+    }
+    if (ext == ".json" && c.input.has_lumen()) {
+      usage("output " + output + ": a block file has no surface but the network's, which a given lumen is not; use .vtu");
     }
   }
   check_outputs(c.input.files(), c.outputs);
   const Run run = common.run();
   const Loaded loaded = load(c.input, run);
-  for (const std::string& output : c.outputs) {
-    if (loaded.lumen && extension(output) == ".json") {
-      usage("output " + output + ": a block file makes its surface from the network, which a given lumen is not; use .vtu");
-    }
-  }
   // one element of the blocks' own degree each: what a viewer can show of them
   c.options.grading.elements = 1;
   c.options.mesh.order = 4;
@@ -45,7 +44,7 @@ void run_blocks(BlocksCommand& c, Common& common) {
     std::fprintf(stderr, "%s", findings_summary(m.findings, c.options.repair).c_str());
   }
   for (const std::string& output : c.outputs) {
-    if (extension(output) == ".json") {
+    if (lower_extension(output) == ".json") {
       BlockFile file = block_file(m, c.options);
       file.grading = {};
       write_block_file(file, output);

@@ -5,6 +5,7 @@
 
 #include "option_checks.h"
 #include "vasohex/core/short_text.h"
+#include "vasohex/core/text_lines.h"
 #include "vasohex/skeleton/extract_skeleton.h"
 #include "vasohex/skeleton/label_skeleton.h"
 #include "vasohex/skeleton/read_skeleton.h"
@@ -22,7 +23,7 @@ namespace {
 enum class Kind { skeleton, surface, labelmap };
 
 Kind kind_of(const std::string& path) {
-  const std::string ext = extension(path);
+  const std::string ext = lower_extension(path);
   const auto is_one_of = [&](std::initializer_list<const char*> all) {
     return std::find(all.begin(), all.end(), ext) != all.end();
   };
@@ -33,7 +34,7 @@ Kind kind_of(const std::string& path) {
     return Kind::surface;
   }
   if (is_one_of({".nii", ".nrrd", ".mha", ".mhd", ".vti"}) ||
-      (ext == ".gz" && extension(std::filesystem::path(path).stem()) == ".nii")) {
+      (ext == ".gz" && lower_extension(std::filesystem::path(path).stem()) == ".nii")) {
     return Kind::labelmap;
   }
   throw Error(ErrorCode::bad_input,
@@ -43,11 +44,11 @@ Kind kind_of(const std::string& path) {
 }
 
 [[noreturn]] void needs_vtk(const std::string& path) {
-  usage(path + ": this program was built without VTK, which reads " + extension(path) + " files");
+  usage(path + ": this program was built without VTK, which reads " + lower_extension(path) + " files");
 }
 
 TriSurface read_triangles(const std::string& path) {
-  if (extension(path) != ".vtp" && extension(path) != ".vtk") {
+  if (lower_extension(path) != ".vtp" && lower_extension(path) != ".vtk") {
     return read_surface(path);
   }
 #ifdef VASOHEX_HAS_VTK
@@ -148,6 +149,8 @@ void Input::add_repair(CLI::App& command, SkeletonMeshOptions& options) {
       "--repair", options.repair,
       "Part vessels that overlap or touch, leave out stray pieces and branches that end inside others");
 }
+
+bool Input::has_lumen() const { return kind_of(path) != Kind::skeleton || !surface.empty(); }
 
 std::vector<std::string> Input::files() const {
   std::vector<std::string> all{path};

@@ -24,6 +24,8 @@ struct Input {
 
   void add_to(CLI::App& command);
   static void add_repair(CLI::App& command, SkeletonMeshOptions& options);
+  /// Whether there is a lumen, given as surface or labelmap. Throws Error (bad_input) for an unknown extension.
+  bool has_lumen() const;
   /// All files that are read.
   std::vector<std::string> files() const;
 };

@@ -9,6 +9,7 @@
 #include "input.h"
 #include "option_checks.h"
 #include "report.h"
+#include "vasohex/core/text_lines.h"
 #include "vasohex/mesh/layer_heights.h"
 #include "vtk/write_vtu.h"
 
@@ -57,7 +58,7 @@ Grading::Request read_sheet(const std::string& text) {
 }
 
 void check_output(const std::string& path, const MeshOptions& mesh) {
-  const std::string ext = extension(path);
+  const std::string ext = lower_extension(path);
   if (ext != ".msh" && ext != ".vtu") {
     usage("output " + path + ": unknown extension '" + ext + "', use .msh or .vtu");
   }
@@ -109,7 +110,7 @@ void run_mesh(MeshCommand& c, Common& common) {
   const double certify_seconds = certifying.seconds();
   Stopwatch writing;
   for (const std::string& output : c.outputs) {
-    if (extension(output) == ".msh") {
+    if (lower_extension(output) == ".msh") {
       write_msh(mesh, output, run);
     } else {
       const CellScalars scalars[]{{"scaled_jacobian", quality.element_scaled_jacobian}};

@@ -1,7 +1,5 @@
 #include "option_checks.h"
 
-#include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -66,12 +64,6 @@ void check_outputs(const std::vector<std::string>& inputs, const std::vector<std
     }
     AtomicFile probe(outputs[i]);
   }
-}
-
-std::string extension(const std::string& path) {
-  std::string text = std::filesystem::path(path).extension().string();
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 }  // namespace vasohex::cli

@@ -20,7 +20,4 @@ CLI::Validator positive_number();
 /// the same file, or if one is an input.
 void check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
-/// As `.msh`, in lower case.
-std::string extension(const std::string& path);
-
 }  // namespace vasohex::cli

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "input.h"
 #include "option_checks.h"
+#include "vasohex/core/text_lines.h"
 #include "vasohex/skeleton/write_skeleton.h"
 #include "vtk/write_vtp.h"
 
@@ -20,7 +21,7 @@ void run_skeleton(const SkeletonCommand& c, Common& common) {
     usage("an output is needed: -o SKELETON.json, -o SKELETON.swc or -o SKELETON.vtp");
   }
   for (const std::string& output : c.outputs) {
-    const std::string ext = extension(output);
+    const std::string ext = lower_extension(output);
     if (ext != ".json" && ext != ".swc" && ext != ".vtp") {
       usage("output " + output + ": unknown extension '" + ext + "', use .json, .swc or .vtp");
     }
@@ -29,7 +30,7 @@ void run_skeleton(const SkeletonCommand& c, Common& common) {
   const Stopwatch total;
   const Loaded loaded = load(c.input, common.run());
   for (const std::string& output : c.outputs) {
-    if (extension(output) == ".vtp") {
+    if (lower_extension(output) == ".vtp") {
       write_vtp(loaded.skeleton, output);
     } else {
       write_skeleton(output, loaded.skeleton);

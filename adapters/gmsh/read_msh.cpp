@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <unordered_map>
@@ -12,6 +11,7 @@
 #include "gmsh/node_order.h"
 #include "vasohex/core/error.h"
 #include "vasohex/core/reference_hex.h"
+#include "vasohex/core/text_lines.h"
 
 namespace vasohex {
 namespace {
@@ -22,10 +22,7 @@ void check_is_msh(const std::string& path) {
   if (!std::filesystem::is_regular_file(path) || !file) {
     throw Error(ErrorCode::bad_input, "no such file, or it cannot be read");
   }
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  if (extension != ".msh") {
+  if (lower_extension(path) != ".msh") {
     throw Error(ErrorCode::bad_input, "the name must end in .msh");
   }
   std::string head(256, '\0');

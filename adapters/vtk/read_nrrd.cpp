@@ -1,8 +1,6 @@
 #include <zlib.h>
 
-#include <algorithm>
 #include <bit>
-#include <cctype>
 #include <charconv>
 #include <fstream>
 #include <limits>
@@ -10,6 +8,7 @@
 #include <sstream>
 
 #include "vasohex/core/error.h"
+#include "vasohex/core/text_lines.h"
 #include "vasohex/skeleton/read_skeleton.h"
 #include "vtk/labels.h"
 
@@ -23,11 +22,6 @@ namespace {
 std::string trimmed(const std::string& text) {
   const auto begin = text.find_first_not_of(" \t\r");
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 /// The fields of the header, and where the voxels begin.
@@ -67,7 +61,7 @@ Header parse_header(const std::string& text) {
     }
     const std::size_t colon = line.find(": ");
     if (!line.starts_with('#') && colon != std::string::npos && line.find(":=") > colon) {
-      header.fields[lower(line.substr(0, colon))] = trimmed(line.substr(colon + 2));
+      header.fields[lower_case(line.substr(0, colon))] = trimmed(line.substr(colon + 2));
     }
     begin = end;
   }
@@ -132,7 +126,7 @@ VoxelType type_of(const std::string& name) {
       {"float", VoxelType::float32},
       {"double", VoxelType::float64},
   };
-  const auto found = types.find(lower(name));
+  const auto found = types.find(lower_case(name));
   if (found == types.end()) {
     fail("field 'type' is '" + name + "', must be a type of integers");
   }
@@ -178,7 +172,7 @@ void place(const Header& header, VoxelImage& image) {
     }
     image.origin = Vec3(o[0], o[1], o[2]);
   }
-  const std::string space = lower(header.get("space"));
+  const std::string space = lower_case(header.get("space"));
   if (space == "left-posterior-superior" || space == "lps") {
     lps_to_ras(image);
   } else if (space == "left-anterior-superior" || space == "las") {
@@ -220,7 +214,7 @@ VoxelImage read_nrrd(const std::string& path, std::vector<char>& storage) {
   }
   place(header, image);
   const std::string_view packed = std::string_view(bytes).substr(header.end);
-  const std::string encoding = lower(header.at("encoding"));
+  const std::string encoding = lower_case(header.at("encoding"));
   if (encoding == "raw") {
     if (packed.size() < size) {
       fail("cut off: " + std::to_string(packed.size()) + " bytes of voxels, must be " + std::to_string(size));
@@ -235,7 +229,7 @@ VoxelImage read_nrrd(const std::string& path, std::vector<char>& storage) {
   } else {
     fail("field 'encoding' is '" + encoding + "', must be raw or gzip");
   }
-  const std::string endian = lower(header.get("endian"));
+  const std::string endian = lower_case(header.get("endian"));
   const std::size_t voxel = size_of(image.type);
   if (voxel > 1 && endian == (std::endian::native == std::endian::little ? "big" : "little")) {
     for (auto at = storage.begin(); at != storage.end(); at += static_cast<std::ptrdiff_t>(voxel)) {

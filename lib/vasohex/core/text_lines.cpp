@@ -26,11 +26,15 @@ std::string file_bytes(const std::string& path) {
   return std::move(bytes).str();
 }
 
-std::string lower_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return result;
+}
+
+std::string lower_extension(const std::string& path) {
+  return lower_case(std::filesystem::path(path).extension().string());
 }
 
 bool TextLines::next() {

@@ -10,6 +10,9 @@ namespace vasohex {
 /// Throws Error(bad_input) if the file cannot be opened, or is a directory.
 std::string file_bytes(const std::string& path);
 
+/// ASCII letters in lower case.
+std::string lower_case(std::string_view text);
+
 /// The extension of a file in lower case, with its dot: `.stl`; empty if there is none.
 std::string lower_extension(const std::string& path);
 

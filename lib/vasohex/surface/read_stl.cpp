@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -40,13 +39,6 @@ class PointNumbers {
   std::unordered_map<Vec3, int, Hash> number_;
 };
 
-std::string lower(std::string_view word) {
-  std::string result(word);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return result;
-}
-
 TriSurface parse_ascii(std::string_view text) {
   TriSurface surface;
   PointNumbers number(surface.points);
@@ -55,7 +47,7 @@ TriSurface parse_ascii(std::string_view text) {
   int count = 0;
   bool inside = false, ended = false;
   while (lines.next()) {
-    const std::string word = lower(lines.words()[0]);
+    const std::string word = lower_case(lines.words()[0]);
     if (word == "facet") {
       if (inside) {
         lines.fail("a facet begins before the last one has ended");
@@ -134,7 +126,7 @@ TriSurface parse_stl(std::string_view bytes) {
     return parse_binary(bytes, count);
   }
   TextLines lines(bytes.substr(0, 1000));
-  if (lines.next() && lower(lines.words()[0]) == "solid" &&
+  if (lines.next() && lower_case(lines.words()[0]) == "solid" &&
       bytes.substr(0, 1000).find('\0') == std::string_view::npos) {
     return parse_ascii(bytes);
   }
