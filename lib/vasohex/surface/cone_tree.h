@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "vasohex/core/box_nodes.h"
 #include "vasohex/surface/cone_kernel.h"
 
 namespace vasohex {
@@ -17,20 +18,7 @@ class ConeTree {
   /// Calls visit(segment) for the segments that may reach x: all that do, in a fixed order.
   template <class Visit>
   void for_each_near(const Vec3& x, Visit&& visit) const {
-    const auto end = static_cast<std::uint32_t>(nodes_.size());
-    for (std::uint32_t i = 0; i < end;) {
-      const Node& node = nodes_[i];
-      const bool in = (x[0] >= node.min[0]) & (x[1] >= node.min[1]) & (x[2] >= node.min[2]) & (x[0] <= node.max[0]) &
-                      (x[1] <= node.max[1]) & (x[2] <= node.max[2]);
-      if (!in) {
-        i = node.skip;
-        continue;
-      }
-      for (std::uint32_t k = 0; k < node.count; ++k) {
-        visit(segments_[node.first + k]);
-      }
-      ++i;
-    }
+    for_each_item_near(nodes_, x, [&](std::uint32_t i) { visit(segments_[i]); });
   }
 
   /// The point of all axes with the least distance / radius from x.

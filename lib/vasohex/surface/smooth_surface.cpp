@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "vasohex/core/box_nodes.h"
 #include "vasohex/core/parallel.h"
 #include "vasohex/surface/point_jets.h"
 #include "vasohex/surface/project.h"
@@ -32,20 +33,7 @@ class BallTree {
   /// Calls visit(ball) for all whose boxes hold x, in a fixed order.
   template <class Visit>
   void for_each_near(const Vec3& x, Visit&& visit) const {
-    const int end = static_cast<int>(nodes_.size());
-    for (int i = 0; i < end;) {
-      const Node& node = nodes_[i];
-      const bool in = (x[0] >= node.min[0]) & (x[1] >= node.min[1]) & (x[2] >= node.min[2]) & (x[0] <= node.max[0]) &
-                      (x[1] <= node.max[1]) & (x[2] <= node.max[2]);
-      if (!in) {
-        i = node.skip;
-        continue;
-      }
-      for (int k = node.first; k < node.first + node.count; ++k) {
-        visit(balls_[k]);
-      }
-      ++i;
-    }
+    for_each_item_near(nodes_, x, [&](int i) { visit(balls_[i]); });
   }
 
  private:
