@@ -7,6 +7,7 @@
 #include "vasohex/core/error.h"
 #include "vasohex/core/node_family.h"
 #include "vasohex/core/reference_hex.h"
+#include "vasohex/mesh/generate_mesh.h"
 #include "vasohex/surface/project.h"
 
 namespace vasohex {
@@ -31,9 +32,6 @@ class WithinPlanes final : public ImplicitSurface {
   const ImplicitSurface& surface_;
   std::vector<Vec3> normals_;
 };
-
-/// Further from the blocks' wall than so many radii no point is moved: that is another sheet of the surface.
-constexpr double kFurthest = 0.25;
 
 }  // namespace
 
@@ -105,7 +103,7 @@ Vec3 CoarseCells::wall_shift(const Wall& wall, const Vec3& start, const std::vec
     found = project(WithinPlanes(*wall.surface, std::move(normals)), start);
   }
   const Vec3 shift = found.point - start;
-  return found.converged && shift.norm() <= kFurthest * wall.surface->radius(start) ? shift : Vec3::Zero();
+  return found.converged && shift.norm() <= kFurthestShift * wall.surface->radius(start) ? shift : Vec3::Zero();
 }
 
 std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int order, WallShifts& known) const {

@@ -116,9 +116,6 @@ class LineLength {
   std::array<double, kPieces + 1> length_{};
 };
 
-/// Further from the blocks' wall than so many radii no node is moved.
-constexpr double kFurthest = 0.25;
-
 struct WallNode {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< unit, outward; of an end's rim: within the plane of the end
@@ -147,8 +144,7 @@ WallNode to_wall(const ImplicitSurface& surface, const Vec3& start, const Vec3* 
     w.residual = length / radius;
     w.converged = w.residual < 1e-8;
   }
-  // so far off is another sheet, or a dent that the blocks do not follow: to go there would fold their elements
-  w.converged = w.converged && (w.point - start).norm() <= kFurthest * radius;
+  w.converged = w.converged && (w.point - start).norm() <= kFurthestShift * radius;
   w.normal = gradient.normalized();
   return w;
 }
