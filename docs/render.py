@@ -40,6 +40,16 @@ def edge_lines(grid, ids, order):
     return poly
 
 
+def write_png(window, path):
+    window.Render()
+    image = vtk.vtkWindowToImageFilter()
+    image.SetInput(window)
+    writer = vtk.vtkPNGWriter()
+    writer.SetFileName(path)
+    writer.SetInputConnection(image.GetOutputPort())
+    writer.Write()
+
+
 def main():
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ap.add_argument("file")
@@ -127,13 +137,7 @@ def main():
     camera.SetPosition(*(focus + 1000 * np.array(args.view) / np.linalg.norm(args.view)))
     camera.Zoom(args.zoom)
     renderer.ResetCameraClippingRange()
-    window.Render()
-    image = vtk.vtkWindowToImageFilter()
-    image.SetInput(window)
-    writer = vtk.vtkPNGWriter()
-    writer.SetFileName(args.out)
-    writer.SetInputConnection(image.GetOutputPort())
-    writer.Write()
+    write_png(window, args.out)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,8 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
+from render import write_png
+
 
 def read(folder, name):
     parallel = os.path.exists(f"{folder}/{name}.pvtu")
@@ -111,13 +113,7 @@ def main():
     window.AddRenderer(first)
     window.AddRenderer(panel("velocity, /s", section_of(volume), "velocity", 1, 1, args, first))
     window.AddRenderer(panel("wall shear, Pa", surface_of(wall), "wall_shear_stress_magnitude", 0.99, 2, args, first))
-    window.Render()
-    image = vtk.vtkWindowToImageFilter()
-    image.SetInput(window)
-    writer = vtk.vtkPNGWriter()
-    writer.SetFileName(args.out)
-    writer.SetInputConnection(image.GetOutputPort())
-    writer.Write()
+    write_png(window, args.out)
 
 
 if __name__ == "__main__":
