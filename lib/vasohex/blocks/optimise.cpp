@@ -206,6 +206,9 @@ bool all_certified(const std::vector<Vec3>& nodes) {
 
 std::vector<double> projection_nodes() { return family_nodes(NodeFamily::gauss_lobatto, kProjectionDegree); }
 
+/// Per direction of a block, to see a mesh whose wall is projected: fewer miss folds where the wall bends sharply.
+constexpr int kMeshSamples = 13;
+
 /// Scaled Jacobian above which blocks gain no more by moving. [measured: .75 leaves junctions of three at .78]
 constexpr double kJacobianGoal = 0.85;
 
@@ -256,7 +259,7 @@ class Optimiser {
       }
     }
     // worth its time where blocks are fair: bad ones are given up, good ones good enough
-    for (int round = 0; round < 3 && solution.min_jacobian > 0.2 && solution.min_jacobian < 0.76; ++round) {
+    for (int round = 0; round < 3 && solution.min_jacobian > 0.2 && solution.min_jacobian < 0.7; ++round) {
       refine();
       BlockSolution next = judge();
       const bool gains = next.min_jacobian > solution.min_jacobian + 0.01;
@@ -306,7 +309,6 @@ class Optimiser {
   /// By the mesh that will be made of the blocks, its wall on the surface; and by the blocks, which may lean on that
   /// projection, but not much: where it is large it is known least.
   BlockSolution judge() {
-    constexpr int kSamples = 13;  // fewer miss folds where the wall bends sharply
     blocks_.land();
     BlockSolution s;
     s.nodes = blocks_.block_nodes();
@@ -314,7 +316,7 @@ class Optimiser {
     const auto own = mesh_tables(blocks_.nodes_1d(), problem_.mesh);
     const double of_mesh =
         own ? least_at(s.nodes, *own, blocks_.projection(*own, *mesh_tables(projection_nodes(), problem_.mesh)))
-            : least_at(s.nodes, equispaced_tables(blocks_.nodes_1d(), kSamples), projection_at(kSamples));
+            : least_at(s.nodes, equispaced_tables(blocks_.nodes_1d(), kMeshSamples), projection_at(kMeshSamples));
     s.min_jacobian = std::min(of_mesh, of_blocks + (own ? kGuardAllowance : 0.1));
     s.certified = of_blocks > 0 && all_certified(s.nodes);
     return s;
@@ -328,11 +330,13 @@ class Optimiser {
 
   /// Degree 4, from nodes on the wall: raises the least Jacobians of a mesh, its wall projected as it is now.
   void refine() {
-    constexpr int kSamples = 9;
+    constexpr double kShapeWeight = 0.08;  // with less, edges whose parameter almost stops fold at order 2
+    constexpr double kWallWeights = 16;    // the less the wall is projected, the longer the projection stays as it is
     EnergyTerms terms;
-    terms.tables = equispaced_tables(blocks_.nodes_1d(), kSamples);
-    terms.added = projection_at(kSamples);
-    raise_least(terms, measure(terms), 16, 60, 16);
+    terms.tables = equispaced_tables(blocks_.nodes_1d(), kMeshSamples);
+    terms.added = projection_at(kMeshSamples);
+    terms.wall_weight = kWallWeights * kWallWeight;
+    raise_least(terms, measure(terms), kShapeWeight, 16, 60, 16);
   }
 
   Energy measure(const EnergyTerms& terms) {
@@ -390,14 +394,15 @@ class Optimiser {
       minimise_here(terms, 20, 3e-4);
       now = measure(terms);
     }
-    raise_least(terms, now, power, iterations, degree == kBlockDegree ? 8 : 0);
+    raise_least(terms, now, 0.02, power, iterations, degree == kBlockDegree ? 8 : 0);
   }
 
   /// Raises the worst scaled Jacobians, now as in `now`, at the samples of the terms.
-  void raise_least(EnergyTerms& terms, const Energy& now, int power, int iterations, int patience) {
+  void raise_least(EnergyTerms& terms, const Energy& now, double shape_weight, int power, int iterations,
+                   int patience) {
     const double folded = std::min(0.0, now.min_det);
     terms.epsilon = now.min_det > 0.01 ? 1e-3 : std::sqrt(1e-4 + 0.04 * folded * folded);
-    terms.shape_weight = 0.02;
+    terms.shape_weight = shape_weight;
     terms.jacobian_weight = 1;
     terms.power = power;
     terms.jacobian_goal = std::clamp(now.min_jacobian + 0.1, -0.5, kJacobianGoal);

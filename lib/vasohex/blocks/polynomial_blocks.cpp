@@ -267,7 +267,8 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
   in.power = terms.power;
   in.added = terms.added.empty() ? nullptr : terms.added.data();
   const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
-  Energy e{out.energy, out.min_jacobian, out.min_det, 0};
+  Energy e{out.energy, out.min_jacobian, out.min_det};
+  e.gap_cost = terms.added.empty() ? 8 : 2;
   if (terms.guard.samples > 0) {
     in.samples = terms.guard.samples;
     in.added = nullptr;
@@ -279,7 +280,7 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
     e.min_jacobian = std::min(e.min_jacobian, guarded.min_jacobian + kGuardAllowance);
     e.min_det = std::min(e.min_det, guarded.min_det);
   }
-  e.value += wall_distance(y, gradient, e.wall_gap);
+  e.value += wall_distance(y, terms.wall_weight, gradient, e.wall_gap);
   if (gradient) {
     make_tangential(*gradient);
   }
@@ -454,7 +455,7 @@ std::vector<double> PolynomialBlocks::projection(const SampleTables& tables, con
   return added;
 }
 
-double PolynomialBlocks::wall_distance(const Points& y, Points* gradient, double& gap) {
+double PolynomialBlocks::wall_distance(const Points& y, double wall_weight, Points* gradient, double& gap) {
   const int n = degree_ + 1, m = degree_;
   constexpr int kMost = kBlockDegree + 1;
   double total = 0, gap2 = 0;
@@ -462,7 +463,7 @@ double PolynomialBlocks::wall_distance(const Points& y, Points* gradient, double
   std::size_t sample = wall_nodes_.size();
   for (const auto& [b, f] : wall_faces_) {
     const double length = (lengths_[b][0] + lengths_[b][1] + lengths_[b][2]) / 3;
-    const double weight = kWallWeight / (samples * length * length);
+    const double weight = wall_weight / (samples * length * length);
     std::array<int, kMost * kMost> ids;
     std::array<Vec3, kMost * kMost> along, g_along;
     for_face(f, [&, b = b](int s, int t, int at) { ids[s + n * t] = id(b, at); });

@@ -47,10 +47,15 @@ inline Vec3 trilinear(const std::vector<Vec3>& vertices, const std::array<int, 8
   return p;
 }
 
+/// Weight of the mean square distance of the wall to the surface, over the block length. Decisive: without it
+/// polynomial faces drift and projection lands on the wrong vessel.
+inline constexpr double kWallWeight = 72;
+
 /// What the energy is made of; see kernel::DistortionInput.
 struct EnergyTerms {
   double shape_weight = 1;
   double jacobian_weight = 0;
+  double wall_weight = kWallWeight;
   double epsilon = 1e-3;
   double jacobian_goal = 0.5;
   int power = 8;
@@ -67,20 +72,17 @@ struct Energy {
   double value = 0;
   double min_jacobian = 0;
   double min_det = 0;
+  double gap_cost = 8;  ///< 2 where the projection is among the terms: it changes a little with the gap
   double wall_gap = 0;  ///< largest distance of the wall to the surface at a sample, over the block's length
 
   /// What is left of the least scaled Jacobian once the wall of a mesh is projected, roughly: blocks gain Jacobians
   /// by leaving the surface, and meshes lose them again.
-  double quality() const { return min_jacobian - 8 * wall_gap; }
+  double quality() const { return min_jacobian - gap_cost * wall_gap; }
 };
 
 /// Between the wall nodes of blocks a mesh has nodes of its own on the surface: as seen by polynomials of this
 /// degree.
 inline constexpr int kProjectionDegree = 8;
-
-/// Weight of the mean square distance of the wall to the surface, over the block length. Decisive: without it
-/// polynomial faces drift and projection lands on the wrong vessel.
-inline constexpr double kWallWeight = 72;
 
 /// Topology, nodes, wall: everything the energy needs. The problem and the topology must outlive it.
 class PolynomialBlocks {
@@ -181,7 +183,7 @@ class PolynomialBlocks {
 
   /// kWallWeight * mean over samples between the wall nodes of (distance to the surface / block length)^2; `gap` is
   /// the largest of these distances over the length.
-  double wall_distance(const Points& y, Points* gradient, double& gap);
+  double wall_distance(const Points& y, double wall_weight, Points* gradient, double& gap);
 
   const BlockProblem* problem_;
   const BlockTopology* topology_;
