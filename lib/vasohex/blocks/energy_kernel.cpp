@@ -40,9 +40,11 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
     Lanes& energy = energies[first % kSums / kLanes];
     Lanes weight, inverse[3], X[3][N3], G[3][N3];
     const int* ids[kLanes];
+    int block[kLanes];
     for (int l = 0; l < kLanes; ++l) {
       // the last group is filled up with copies of the last block, which count nothing
       const int b = first + l < in.blocks ? first + l : in.blocks - 1;
+      block[l] = b;
       ids[l] = in.ids + (long)b * N3;
       weight[l] = first + l < in.blocks ? sample_weight : 0.0;
       for (int d = 0; d < 3; ++d) {
@@ -109,6 +111,17 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
             T[0][d] = s;
             T[1][d] = t;
             T[2][d] = u;
+          }
+          if (in.added) {
+            const long at = 9 * (c + samples * (b + (long)samples * a));
+            for (int l = 0; l < kLanes; ++l) {
+              const double* added = in.added + 9 * (long)block[l] * samples * samples * samples + at;
+              for (int p = 0; p < 3; ++p) {
+                for (int d = 0; d < 3; ++d) {
+                  T[p][d][l] += added[3 * p + d] * inverse[p][l];
+                }
+              }
+            }
           }
           Lanes cross[3][3], norm2[3];
           for (int p = 0; p < 3; ++p) {

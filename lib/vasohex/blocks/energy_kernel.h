@@ -16,11 +16,12 @@ struct DistortionInput {
   const int* ids = nullptr;                ///< [blocks][(degree + 1)^3] node of each lattice point, i fastest
   const double* nodes = nullptr;           ///< [nodes][3]
   const double* inverse_length = nullptr;  ///< [blocks][3] 1 / target length per direction
-  double shape_weight = 1;                 ///< w_mu
-  double jacobian_weight = 0;              ///< w_s
-  double epsilon = 1e-3;                   ///< of chi, which keeps folded blocks finite
-  double jacobian_goal = 0.5;              ///< s0
-  int power = 8;                           ///< P: 8 or 16
+  const double* added = nullptr;  ///< [blocks][samples^3][direction][xyz] added to J, k fastest; null: nothing
+  double shape_weight = 1;        ///< w_mu
+  double jacobian_weight = 0;     ///< w_s
+  double epsilon = 1e-3;          ///< of chi, which keeps folded blocks finite
+  double jacobian_goal = 0.5;     ///< s0
+  int power = 8;                  ///< P: 8 or 16
 };
 
 struct DistortionOutput {

@@ -265,10 +265,12 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
   in.epsilon = terms.epsilon;
   in.jacobian_goal = terms.jacobian_goal;
   in.power = terms.power;
+  in.added = terms.added.empty() ? nullptr : terms.added.data();
   const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
   Energy e{out.energy, out.min_jacobian, out.min_det, 0};
   if (terms.guard.samples > 0) {
     in.samples = terms.guard.samples;
+    in.added = nullptr;
     in.value = terms.guard.value.data();
     in.slope = terms.guard.slope.data();
     in.jacobian_goal = terms.jacobian_goal - kGuardAllowance;
@@ -379,6 +381,77 @@ std::vector<Vec3> PolynomialBlocks::block_nodes() const {
     }
   }
   return all;
+}
+
+std::vector<double> PolynomialBlocks::projection(const SampleTables& tables, const SampleTables& fine) const {
+  const int n = degree_ + 1, samples = tables.samples;
+  const std::vector<double> at_fine = family_nodes(NodeFamily::gauss_lobatto, kProjectionDegree);
+  constexpr int m = kProjectionDegree + 1;
+  const std::vector<double> to_fine = lagrange_values(nodes_1d_, at_fine);
+  std::vector<double> added(static_cast<std::size_t>(9) * block_count() * samples * samples * samples, 0.0);
+  std::array<int, 25> ids;
+  std::array<Vec3, m * m> shift;
+  for (const auto& [b, f] : wall_faces_) {
+    for_face(f, [&, b = b](int s, int t, int at) { ids[s + n * t] = id(b, at); });
+    const double radius = problem_->surface->radius(x.row(ids[n * n / 2]));
+    for (int t = 0; t < m; ++t) {
+      for (int s = 0; s < m; ++s) {
+        Vec3 p = Vec3::Zero();
+        for (int j = 0; j < n; ++j) {
+          for (int i = 0; i < n; ++i) {
+            p += to_fine[s * n + i] * to_fine[t * n + j] * x.row(ids[i + n * j]).transpose();
+          }
+        }
+        const Vec3 start = p;
+        Vec3 gradient;
+        for (int iteration = 0; iteration < 6; ++iteration) {
+          const double value = problem_->surface->value(p, gradient);
+          const Vec3 step = -value / std::max(gradient.squaredNorm(), 1e-300) * gradient;
+          p += step;
+          if (!(step.norm() > 1e-3 * radius)) {
+            break;
+          }
+        }
+        const Vec3 away = p - start;
+        shift[s + m * t] = away.norm() < 0.5 * radius ? away : Vec3(Vec3::Zero());
+      }
+    }
+    const int d = f / 2;
+    const auto [du, dv] = hex_face_axes(f);
+    for (int t = 0; t < samples; ++t) {
+      for (int s = 0; s < samples; ++s) {
+        Vec3 value = Vec3::Zero(), slope_u = Vec3::Zero(), slope_v = Vec3::Zero();
+        for (int j = 0; j < m; ++j) {
+          Vec3 along = Vec3::Zero(), slope = Vec3::Zero();
+          for (int i = 0; i < m; ++i) {
+            along += fine.value[s * m + i] * shift[i + m * j];
+            slope += fine.slope[s * m + i] * shift[i + m * j];
+          }
+          value += fine.value[t * m + j] * along;
+          slope_u += fine.value[t * m + j] * slope;
+          slope_v += fine.slope[t * m + j] * along;
+        }
+        for (int w = 0; w < samples; ++w) {
+          double part = 0;  // of the way to the wall
+          for (int i = 0; i < n; ++i) {
+            part += tables.value[w * n + i] * (f % 2 == 1 ? nodes_1d_[i] : 1 - nodes_1d_[i]);
+          }
+          std::array<int, 3> at{};
+          at[d] = w;
+          at[du] = s;
+          at[dv] = t;
+          double* out =
+              &added[9 * (at[2] + samples * (at[1] + samples * (at[0] + static_cast<std::size_t>(samples) * b)))];
+          for (int c = 0; c < 3; ++c) {
+            out[3 * d + c] += (f % 2 == 1 ? 1 : -1) * value[c];
+            out[3 * du + c] += part * slope_u[c];
+            out[3 * dv + c] += part * slope_v[c];
+          }
+        }
+      }
+    }
+  }
+  return added;
 }
 
 double PolynomialBlocks::wall_distance(const Points& y, Points* gradient, double& gap) {

@@ -55,6 +55,8 @@ struct EnergyTerms {
   double jacobian_goal = 0.5;
   int power = 8;
   SampleTables tables;
+  /// How a mesh's Jacobians differ from those of the blocks, see PolynomialBlocks::projection; empty: not at all.
+  std::vector<double> added;
   SampleTables guard;  ///< samples that must not fold either, if any: of the blocks, where `tables` are a mesh's
 };
 
@@ -71,6 +73,10 @@ struct Energy {
   /// by leaving the surface, and meshes lose them again.
   double quality() const { return min_jacobian - 8 * wall_gap; }
 };
+
+/// Between the wall nodes of blocks a mesh has nodes of its own on the surface: as seen by polynomials of this
+/// degree.
+inline constexpr int kProjectionDegree = 8;
 
 /// Weight of the mean square distance of the wall to the surface, over the block length. Decisive: without it
 /// polynomial faces drift and projection lands on the wrong vessel.
@@ -152,6 +158,11 @@ class PolynomialBlocks {
   PolynomialBlocks elevated(int degree) const;
 
   std::vector<Vec3> block_nodes() const;
+
+  /// What the projection of a mesh's wall nodes onto the surface, carried linearly through the blocks that end there,
+  /// adds to dx/du at the samples of `tables`: [blocks][samples^3][direction][xyz], k fastest. `fine`: the same
+  /// samples from the Gauss-Lobatto nodes of degree kProjectionDegree, at which the projection is looked at.
+  std::vector<double> projection(const SampleTables& tables, const SampleTables& fine) const;
 
  private:
   struct WallFace {
