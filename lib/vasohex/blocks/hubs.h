@@ -14,8 +14,8 @@ using Cluster = std::vector<Hub>;
 
 /// What cannot be told before: where cubes and caps stand best.
 struct Placement {
-  double before_parting = 1;  ///< radii from a cube to where two of three branches that leave side by side part; infinity:
-                              ///< the cube stands at the node
+  /// Radii from a cube to where two of three branches that leave side by side part; infinity: it stands at the node.
+  double before_parting = 1;
   double beyond = 0;          ///< radii that caps stand further out than they need, where there is room
 };
 

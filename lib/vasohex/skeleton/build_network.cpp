@@ -9,6 +9,7 @@
 #include "vasohex/core/error.h"
 #include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
+#include "vasohex/skeleton/leave_out.h"
 #include "vasohex/skeleton/loops.h"
 #include "vasohex/skeleton/sample_axis.h"
 #include "vasohex/skeleton/smooth_path.h"

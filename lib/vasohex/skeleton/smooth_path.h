@@ -40,7 +40,7 @@ struct PathCurve {
   std::vector<double> t;        ///< [n] (closed: [n + 1]) parameter of each point, ascending; fixed ones are at knots
   std::vector<double> moved;    ///< [n] displacement of each point by smoothing, in radii
   std::vector<PathBend> bends;  ///< rounded
-  std::vector<PathBend> left_out;  ///< points that the curve does not follow, their distance from it
+  std::vector<PathBend> left_out;  ///< points that the curve does not follow (see leave_out.h), their distance
   int straightened = 0;         ///< edges that got knots of their own
   double off_edge = 0;          ///< largest distance of the curve from such an edge, in radii
   std::size_t off_edge_at = 0;  ///< the nearer point of the path
@@ -48,9 +48,7 @@ struct PathCurve {
 
 /// The curve of smooth_points, with two exceptions: an edge of more than 10 radii that it leaves by more than 0.25
 /// radii is followed as a straight line, apart from some radii at corners, which are passed with a bend of about 2
-/// radii; and bends sharper than a tube allows are rounded (see limit_bends). Where rounding moves a bend of an open path
-/// by more than one radius, a point nearby is left out instead, not more than 4 of its radii from the curve, if the
-/// curve then moves and turns less in all.
-PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii);
+/// radii; and bends sharper than a tube allows are rounded (see limit_bends).
+PathCurve curve_near_all(const PathPoints& path, const std::vector<double>& radii);
 
 }  // namespace vasohex
