@@ -163,9 +163,9 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
     }
   }
   // Of several hubs the weakest is arranged anew, then the next.
-  constexpr int kMostRounds = 6;
+  const int most_rounds = std::min(6, options.candidates);
   std::vector<char> done(best->cluster.size(), 0);
-  for (int round = 0; round < kMostRounds && best->cluster.size() > 1 && !is_good(); ++round) {
+  for (int round = 0; round < most_rounds && best->cluster.size() > 1 && !is_good(); ++round) {
     const std::vector<double> least = least_of_hubs(*best);
     std::optional<int> weakest;
     for (int h = 0; h < static_cast<int>(least.size()); ++h) {
