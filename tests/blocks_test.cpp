@@ -334,6 +334,19 @@ TEST(Junctions, TooWeakForOneCubeAreDivided) {
   EXPECT_GT(m.blocks.junctions[0].min_jacobian, 0.5);
 }
 
+TEST(Junctions, WithBranchesSideBySideShareCubes) {
+  const SkeletonMesh m = mesh_skeleton(gallery::two_pairs_side_by_side());
+  ASSERT_EQ(m.blocks.junctions.size(), 2u);
+  EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));
+  EXPECT_GT(m.blocks.min_jacobian, 0.5);
+}
+
+TEST(Branches, WithSpikesAreCertified) {
+  const SkeletonMesh m = mesh_skeleton(gallery::spike());
+  EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));
+  EXPECT_GT(m.blocks.min_jacobian, 0.5);
+}
+
 TEST(Clusters, HaveCapsWhereTheirVesselsAreTubes) {
   // networks with junctions so near each other that one stands within the other's vessels
   for (const int seed : {2, 3, 10, 14, 20}) {

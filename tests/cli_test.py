@@ -335,6 +335,7 @@ class Cli(unittest.TestCase):
         self.run_well("mesh", "a.json", "-o", "o.vtu", "-n", 1, "--repair", "--json", "m.json")
         figures = json.loads((self.folder / "m.json").read_text())
         self.assertEqual(figures["findings"], [])
+        self.assertEqual(figures["not_certified"], [])
         self.assertEqual(sum("thinner" in line for line in figures["repairs"]), 1)
         self.assertEqual(figures["validity"]["certified"], figures["elements"])
 

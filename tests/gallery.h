@@ -115,6 +115,28 @@ inline Skeleton linked(double gap) {
   return s;
 }
 
+/// One vessel with coarse points: two turns that fold it back and forth within some radii.
+inline Skeleton spike() {
+  Skeleton s;
+  s.points = {{8, -26, -6},     {4, -13, -3},     {0, 0, 0},       {-.5, 0, 2.4},
+              {-.5, -1.2, 4.7}, {-1.1, 1.2, 3.5}, {7, -7.5, -1.2}, {11, -8, -3.5}};
+  s.radii = {.6, .6, 1.2, .6, .6, 1.2, .6, 1.2};
+  for (int i = 0; i + 1 < static_cast<int>(s.points.size()); ++i) {
+    s.segments.push_back({i, i + 1});
+  }
+  return s;
+}
+
+/// Two junctions just over a radius apart; a branch of each runs beside the other's for some radii.
+inline Skeleton two_pairs_side_by_side() {
+  Skeleton s;
+  s.points = {{0, 0, 0},        {0, -.9, .9}, {7, -8, -6},    {1, -.9, 3},   {1, -.9, 12},
+              {-4.4, 5.3, -.9}, {-12, 9, -4}, {-4, 4.4, 1.8}, {-4.5, 5.5, 8}};
+  s.radii = {1, 1, 1, 1.2, 1, .9, .9, 1.2, .9};
+  s.segments = {{0, 1}, {0, 2}, {1, 3}, {3, 4}, {0, 5}, {5, 6}, {1, 7}, {7, 8}};
+  return s;
+}
+
 /// A ring with two arms: one loop, two junctions, two branches between them.
 inline Skeleton ring_with_arms() {
   Skeleton s = torus(6, 1);

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <numbers>
 
 #include "gallery.h"
 #include "measures.h"
 #include "mesh_properties.h"
+#include "vasohex/failed_places.h"
 #include "vasohex/mesh/layer_heights.h"
 #include "vasohex/quality/quality_report.h"
 #include "vasohex/skeleton/read_skeleton.h"
@@ -152,6 +155,52 @@ TEST(Mesh, OfLowOrderIsBetterThanOneOfBlocksForAnyOrder) {
     if (asked.order == 1) {
       EXPECT_NEAR(m.blocks.junctions.at(0).min_jacobian, q.scaled_jacobian.min, 0.02);
     }
+  }
+}
+
+TEST(FailedPlaces, AreNamedWithTheNearestFinding) {
+  SkeletonMesh m = mesh_skeleton(gallery::linked(6), with(1, 2));
+  HexMesh& mesh = m.result.mesh;
+  EXPECT_TRUE(failed_places(m.network, m.findings, mesh, measure_quality(mesh)).empty());
+  // turn the first element of each place inside out
+  std::map<int, int> first;
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    first.try_emplace(mesh.element_branch[e], e);
+  }
+  ASSERT_EQ(first.size(), 7u);  // two junctions, five branches
+  for (const auto& [place, e] : first) {
+    std::swap_ranges(mesh.elements.begin() + 8 * e, mesh.elements.begin() + 8 * e + 4,
+                     mesh.elements.begin() + 8 * e + 4);
+  }
+  Finding bend;
+  bend.kind = FindingKind::sharp_bend;
+  bend.branches = {3, -1};
+  bend.text = "a sharp bend";
+  bend.cure = "a wider one";
+  for (int i = 0; i < 8; ++i) {
+    bend.at += mesh.nodes[mesh.elements[8 * first.at(3) + i]] / 8;
+  }
+  const std::vector<FailedPlace> failed = failed_places(m.network, {bend}, mesh, measure_quality(mesh));
+  ASSERT_EQ(failed.size(), first.size());
+  for (std::size_t i = 0; i < failed.size(); ++i) {
+    const FailedPlace& f = failed[i];
+    EXPECT_TRUE(i == 0 || failed[i - 1].scaled_jacobian <= f.scaled_jacobian);
+    EXPECT_EQ(f.elements, 1);
+    EXPECT_LT(f.scaled_jacobian, 0);
+    Vec3 middle = Vec3::Zero();
+    for (int k = 0; k < 8; ++k) {
+      middle += mesh.nodes[mesh.elements[8 * first.at(f.place) + k]] / 8;
+    }
+    EXPECT_LT((f.at - middle).norm(), 1e-12);
+    if (f.place == 3) {
+      EXPECT_EQ(f.finding, 0);
+      EXPECT_EQ(f.reason, "a sharp bend");
+    }
+    const std::string point =
+        "point " +
+        std::to_string(m.network.nodes[f.place < 0 ? -1 - f.place : m.network.branches[f.place].nodes[0]].point);
+    EXPECT_NE(f.text.find(point), std::string::npos) << f.text;
+    EXPECT_FALSE(f.reason.empty() || f.cure.empty());
   }
 }
 

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "errors.h"
+#include "gallery.h"
 #include "vasohex/core/error.h"
 #include "vasohex/quality/quality_report.h"
 #include "vasohex/skeleton/build_network.h"
@@ -335,6 +336,21 @@ TEST(BuildNetwork, SharpBendsAreRoundedAsFarAsThatTakes) {
       EXPECT_LT(nearest, 1.25 * (1 / std::cos(a / 2) - 1) + .2) << spacing << " " << degrees;
       EXPECT_LT((b.tangents.front() - Vec3::UnitX()).norm(), 2e-2);
     }
+  }
+}
+
+TEST(BuildNetwork, PointsOfASpikeAreLeftOut) {
+  const Skeleton s = gallery::spike();
+  const Network n = build_network(s);
+  expect_sound(n);
+  EXPECT_EQ(lines_with(n, "left out: a tube through it would bend too sharply"), 1);
+  EXPECT_LT(sharpest_bend(n.branches[0]), 1);
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    double nearest = 1e9;
+    for (const Vec3& p : n.branches[0].points) {
+      nearest = std::min(nearest, (p - s.points[i]).norm());
+    }
+    EXPECT_LT(nearest, 4 * s.radii[i]) << i;
   }
 }
 

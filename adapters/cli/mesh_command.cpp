@@ -10,6 +10,7 @@
 #include "option_checks.h"
 #include "report.h"
 #include "vasohex/core/text_lines.h"
+#include "vasohex/failed_places.h"
 #include "vasohex/mesh/layer_heights.h"
 #include "vtk/write_vtu.h"
 
@@ -123,6 +124,7 @@ void run_mesh(MeshCommand& c, Common& common) {
     std::fprintf(stderr, "%s", findings_summary(m.findings, c.options.repair).c_str());
   }
   const NetworkCounts counts = count(m.network);
+  const std::vector<FailedPlace> failed = failed_places(m.network, m.findings, mesh, quality);
   if (!c.json.empty()) {
     nlohmann::ordered_json j;
     j["vasohex"] = VASOHEX_VERSION;
@@ -171,6 +173,21 @@ void run_mesh(MeshCommand& c, Common& common) {
     }
     j["repairs"] = m.network.repairs;
     j["findings"] = findings_json(m.findings);
+    auto& not_certified = j["not_certified"] = nlohmann::ordered_json::array();
+    for (const FailedPlace& f : failed) {
+      nlohmann::ordered_json row{{f.place < 0 ? "junction" : "branch",
+                                  f.place < 0 ? m.network.nodes[-1 - f.place].point : f.place},
+                                 {"at", {f.at.x(), f.at.y(), f.at.z()}},
+                                 {"elements", f.elements},
+                                 {"scaled_jacobian", f.scaled_jacobian},
+                                 {"text", f.text},
+                                 {"reason", f.reason},
+                                 {"cure", f.cure}};
+      if (f.finding >= 0) {
+        row["finding"] = f.finding;
+      }
+      not_certified.push_back(row);
+    }
     j["seconds"] = {{"read", read_seconds},
                     {"surface", m.seconds["surface"]},
                     {"blocks", m.seconds["blocks"] - m.blocks.optimise_seconds},
@@ -191,6 +208,10 @@ void run_mesh(MeshCommand& c, Common& common) {
     std::printf("  %zu blocks, %d hexahedra of order %d, %zu nodes\n", m.blocks.blocks.size(), mesh.element_count(),
                 mesh.order, mesh.nodes.size());
     std::printf("%s", quality_text(quality).c_str());
+    for (const FailedPlace& f : failed) {
+      std::printf("  not certified: %s\n    most likely: %s\n    what helps: %s\n", f.text.c_str(), f.reason.c_str(),
+                  f.cure.c_str());
+    }
     if (m.blocks.certified == static_cast<int>(m.blocks.blocks.size())) {
       std::printf(
           "  all blocks are certified: before projection onto the surface, so is every mesh of order >= %d made "

@@ -71,6 +71,80 @@ double angle_about(const SectionFrame& frame, const Vec3& direction) {
   return std::atan2(direction.dot(frame.y), direction.dot(frame.x));
 }
 
+/// The control points of layers `from` to `to`.
+std::vector<Vec3> nodes_of(const BranchPiece& piece, int from, int to) {
+  const auto begin = piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * from * kBlockNodes;
+  return {begin, begin + static_cast<std::ptrdiff_t>(5) * (to - from + 1) * kBlockNodes};
+}
+
+/// Layers `from` to `to`, optimised between the cross-sections at their ends.
+BlockSolution optimised(const Branch& branch, const ImplicitSurface& surface, const MeshDivision& mesh,
+                        const BranchPiece& piece, int from, int to) {
+  const std::shared_ptr<const ImplicitSurface> part =
+      surface.part({{piece.branch, piece.stations[from], piece.stations[to + 1]}});
+  BlockProblem problem;
+  problem.surface = part.get();
+  problem.mesh = mesh;
+  BlockProblem::Aim aim;
+  for (int i = 0; i <= 24 * (to - from + 1); ++i) {
+    const double s0 = piece.stations[from], s1 = piece.stations[to + 1];
+    aim.axis.push_back(axis_point(branch, s0 + (s1 - s0) * i / (24 * (to - from + 1))).position);
+  }
+  problem.aims.push_back(aim);
+  std::array<int, 4> in0{}, out0{};
+  for (int layer = from; layer <= to + 1; ++layer) {
+    const SectionFrame& frame = piece.frames[layer * kBlockDegree];
+    std::array<int, 4> in1{}, out1{};
+    for (int j = 0; j < 4; ++j) {
+      in1[j] = static_cast<int>(problem.vertices.size());
+      problem.vertices.push_back(place_section_point(*part, frame, 1 + j, 0, 0));
+      out1[j] = static_cast<int>(problem.vertices.size());
+      problem.vertices.push_back(place_section_point(*part, frame, 1 + j, 1, 0));
+    }
+    if (layer > from) {
+      const auto add = [&](const std::array<int, 4>& low, const std::array<int, 4>& high) {
+        problem.blocks.push_back({low[0], low[1], low[3], low[2], high[0], high[1], high[3], high[2]});
+        problem.block_aim.push_back(0);
+      };
+      add(in0, in1);
+      for (int j = 0; j < 4; ++j) {
+        const int n = (j + 1) % 4;
+        add({in0[j], out0[j], out0[n], in0[n]}, {in1[j], out1[j], out1[n], in1[n]});
+      }
+    }
+    in0 = in1;
+    out0 = out1;
+  }
+  for (int quad = 0; quad < 5; ++quad) {
+    problem.sections.push_back({quad, 4, quad, piece.frames[from * kBlockDegree]});
+    problem.sections.push_back({5 * (to - from) + quad, 5, quad, piece.frames[(to + 1) * kBlockDegree]});
+  }
+  return fit_to_mesh(problem, optimise_blocks(problem));
+}
+
+/// The best found for layers `from` to `to`: as they are, optimised all together or, where that is not certified,
+/// each half for itself. A long run may turn so far that it meets itself, and then no surface of all of it serves.
+BlockSolution improved(const Branch& branch, const ImplicitSurface& surface, const MeshDivision& mesh,
+                       const BranchPiece& piece, int from, int to) {
+  BlockSolution best = judge_blocks(nodes_of(piece, from, to), mesh);
+  const auto keep_better = [&](BlockSolution other) {
+    if (other.is_better_than(best)) {
+      best = std::move(other);
+    }
+  };
+  keep_better(optimised(branch, surface, mesh, piece, from, to));
+  if (!best.certified && from < to) {
+    const int middle = (from + to) / 2;
+    BlockSolution halves = improved(branch, surface, mesh, piece, from, middle);
+    const BlockSolution second = improved(branch, surface, mesh, piece, middle + 1, to);
+    halves.nodes.insert(halves.nodes.end(), second.nodes.begin(), second.nodes.end());
+    halves.min_jacobian = std::min(halves.min_jacobian, second.min_jacobian);
+    halves.certified = halves.certified && second.certified;
+    keep_better(std::move(halves));
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<double> stations(const Branch& branch, double s0, double s1, double block_length, int at_least) {
@@ -169,13 +243,9 @@ void place_frames(const Branch& branch, const SectionFrame* first, const Section
 void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, const MeshDivision& mesh, double good,
                           BranchPiece& piece) {
   const int layers = static_cast<int>(piece.stations.size()) - 1;
-  const auto layer_nodes = [&](int layer, int count) {
-    const auto begin = piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * layer * kBlockNodes;
-    return std::vector<Vec3>(begin, begin + static_cast<std::ptrdiff_t>(5) * count * kBlockNodes);
-  };
   std::vector<char> weak(layers);
   for (int layer = 0; layer < layers; ++layer) {
-    const BlockSolution judged = judge_blocks(layer_nodes(layer, 1), mesh);
+    const BlockSolution judged = judge_blocks(nodes_of(piece, layer, layer), mesh);
     weak[layer] = !judged.certified || judged.min_jacobian < good;
   }
   for (int first = 0; first < layers; ++first) {
@@ -187,52 +257,9 @@ void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, 
       ++last;
     }
     const int from = std::max(0, first - 1), to = std::min(layers - 1, last + 1);
-    const std::shared_ptr<const ImplicitSurface> part =
-        surface.part({{piece.branch, piece.stations[from], piece.stations[to + 1]}});
-    BlockProblem problem;
-    problem.surface = part.get();
-    BlockProblem::Aim aim;
-    for (int i = 0; i <= 24 * (to - from + 1); ++i) {
-      const double s0 = piece.stations[from], s1 = piece.stations[to + 1];
-      aim.axis.push_back(axis_point(branch, s0 + (s1 - s0) * i / (24 * (to - from + 1))).position);
-    }
-    problem.aims.push_back(aim);
-    std::array<int, 4> in0{}, out0{};
-    for (int layer = from; layer <= to + 1; ++layer) {
-      const SectionFrame& frame = piece.frames[layer * kBlockDegree];
-      std::array<int, 4> in1{}, out1{};
-      for (int j = 0; j < 4; ++j) {
-        in1[j] = static_cast<int>(problem.vertices.size());
-        problem.vertices.push_back(place_section_point(*part, frame, 1 + j, 0, 0));
-        out1[j] = static_cast<int>(problem.vertices.size());
-        problem.vertices.push_back(place_section_point(*part, frame, 1 + j, 1, 0));
-      }
-      if (layer > from) {
-        const auto add = [&](const std::array<int, 4>& low, const std::array<int, 4>& high) {
-          problem.blocks.push_back({low[0], low[1], low[3], low[2], high[0], high[1], high[3], high[2]});
-          problem.block_aim.push_back(0);
-        };
-        add(in0, in1);
-        for (int j = 0; j < 4; ++j) {
-          const int n = (j + 1) % 4;
-          add({in0[j], out0[j], out0[n], in0[n]}, {in1[j], out1[j], out1[n], in1[n]});
-        }
-      }
-      in0 = in1;
-      out0 = out1;
-    }
-    for (int quad = 0; quad < 5; ++quad) {
-      problem.sections.push_back({quad, 4, quad, piece.frames[from * kBlockDegree]});
-      problem.sections.push_back({5 * (to - from) + quad, 5, quad, piece.frames[(to + 1) * kBlockDegree]});
-    }
-    const BlockSolution before = judge_blocks(layer_nodes(from, to - from + 1), mesh);
-    problem.mesh = mesh;
-    BlockSolution after = optimise_blocks(problem);
-    after = fit_to_mesh(problem, std::move(after));
-    if (after.is_better_than(before)) {
-      std::copy(after.nodes.begin(), after.nodes.end(),
-                piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * from * kBlockNodes);
-    }
+    const BlockSolution after = improved(branch, surface, mesh, piece, from, to);
+    std::copy(after.nodes.begin(), after.nodes.end(),
+              piece.nodes.begin() + static_cast<std::ptrdiff_t>(5) * from * kBlockNodes);
     first = last;
   }
 }

@@ -186,24 +186,31 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
     }
   });
 
-  // Where a cube of branches side by side stands best cannot be told before: other places for those that failed
-  for (const double before_parting : {0.3, -0.5, std::numeric_limits<double>::infinity()}) {
+  // Other places for the cubes and caps of those that failed, or nearly
+  constexpr double kPoorJacobian = 0.35;
+  constexpr double kAtNode = std::numeric_limits<double>::infinity();
+  BlockOptions fewer = options;
+  fewer.candidates = std::min(options.candidates, 2);
+  for (const Placement placement : {Placement{1, 0.5}, {0.3, 0}, {-0.5, 0}, {kAtNode, 0}, {kAtNode, 0.5}}) {
     std::vector<std::size_t> failed;
     for (std::size_t c = 0; c < clusters.size(); ++c) {
-      if (!solved[c].solution.certified) {
+      if (!solved[c].solution.certified || solved[c].solution.min_jacobian < kPoorJacobian) {
         failed.push_back(c);
       }
     }
     if (failed.empty()) {
       break;
     }
-    const std::vector<Cluster> moved = find_clusters(network, surface, before_parting);
+    const std::vector<Cluster> moved = find_clusters(network, surface, placement);
     parallel_for(run, failed.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const Cluster &before = clusters[failed[i]], &now = moved[failed[i]];
-        const auto is_there = [](const Hub& a, const Hub& b) { return a.centre == b.centre; };
+        const auto is_there = [](const Hub& a, const Hub& b) {
+          return a.centre == b.centre && std::equal(a.arms.begin(), a.arms.end(), b.arms.begin(),
+                                                    [](const Arm& x, const Arm& y) { return x.cap == y.cap; });
+        };
         if (!std::equal(now.begin(), now.end(), before.begin(), is_there)) {
-          ClusterResult r = solve_cluster(*surface.part(stretches_of(network, now)), now, options);
+          ClusterResult r = solve_cluster(*surface.part(stretches_of(network, now)), now, fewer);
           ClusterResult& best = solved[failed[i]];
           r.candidates += best.candidates;
           r.cpu_seconds += best.cpu_seconds;

@@ -180,6 +180,16 @@ std::vector<double> cap_distances_of(const Network& network, const std::vector<B
   return distance;
 }
 
+/// Where the branch ends within .4 radii beyond the arm's cap, the end itself becomes the cap.
+void stop_at_end(const Network& network, Arm& arm) {
+  const Branch& branch = network.branches[arm.branch];
+  const NetworkNode& other_end = network.nodes[branch.nodes[1 - arm.end]];
+  const bool leads_to_end = other_end.degree == 1 && !other_end.blind;
+  if (leads_to_end && arm.cap > branch.length() - 0.4 * branch.radii.back()) {
+    arm.cap = branch.length();
+  }
+}
+
 /// Moves the arm's cap on until the surface around its branch is a tube there, by 3 radii at most. True if it was not
 /// one before and is now.
 bool move_to_tube(const Network& network, const ImplicitSurface& surface, Arm& arm) {
@@ -190,11 +200,7 @@ bool move_to_tube(const Network& network, const ImplicitSurface& surface, Arm& a
     tube = is_tube(surface, branch, arm.end, arm.cap);
     arm.cap += tube ? 0.0 : 0.25 * from_end(branch, arm.end, arm.cap).radius;
   }
-  const NetworkNode& other_end = network.nodes[branch.nodes[1 - arm.end]];
-  const bool leads_to_end = other_end.degree == 1 && !other_end.blind;
-  if (leads_to_end && arm.cap > branch.length() - 0.4 * branch.radii.back()) {
-    arm.cap = branch.length();  // the cap is the end itself
-  }
+  stop_at_end(network, arm);
   return tube && step > 1;
 }
 
@@ -313,7 +319,7 @@ bool clear_of_groups(const Network& network, const ImplicitSurface& surface,
 }
 
 /// What is left to know of the arms: where caps lie that share a short branch, cross-sections, axes.
-void finish_arms(const Network& network, double before_parting, std::vector<Hub>& hubs) {
+void finish_arms(const Network& network, const Placement& placement, std::vector<Hub>& hubs) {
   std::vector<double> both(network.branches.size(), 0.0);
   std::vector<int> ends_at_hubs(network.branches.size(), 0);
   for (const Hub& hub : hubs) {
@@ -330,6 +336,12 @@ void finish_arms(const Network& network, double before_parting, std::vector<Hub>
         arm.cap = length;
       } else if (ends_at_hubs[arm.branch] == 2 && both[arm.branch] + 0.3 * middle_radius > length) {
         arm.cap *= (length - 0.3 * middle_radius) / both[arm.branch];  // a tight loop
+      } else if (ends_at_hubs[arm.branch] == 2) {
+        arm.cap += std::min(placement.beyond * from_end(branch, arm.end, arm.cap).radius,
+                            0.5 * (length - 0.3 * middle_radius - both[arm.branch]));
+      } else if (arm.cap < length) {
+        arm.cap += placement.beyond * from_end(branch, arm.end, arm.cap).radius;
+        stop_at_end(network, arm);
       }
       const AxisPoint p = from_end(branch, arm.end, arm.cap);
       arm.radius = arm.link >= 0 ? middle_radius : p.radius;
@@ -338,7 +350,7 @@ void finish_arms(const Network& network, double before_parting, std::vector<Hub>
   }
   std::vector<std::array<Departure, 2>> departures(network.branches.size());
   for (Hub& hub : hubs) {
-    const std::vector<Departure> of_arms = depart(network, before_parting, hub);
+    const std::vector<Departure> of_arms = depart(network, placement.before_parting, hub);
     for (std::size_t a = 0; a < hub.arms.size(); ++a) {
       departures[hub.arms[a].branch][hub.arms[a].end] = of_arms[a];
     }
@@ -368,13 +380,14 @@ std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster
   return stretches;
 }
 
-std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface, double before_parting) {
+std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface,
+                                   const Placement& placement) {
   std::vector<Hub> hubs = lone_hubs(network, surface);
   std::vector<std::vector<int>> groups = link_hubs(network, hubs);
   for (int round = 0; round < 4 && clear_of_groups(network, surface, groups, hubs); ++round) {
     groups = link_hubs(network, hubs);
   }
-  finish_arms(network, before_parting, hubs);
+  finish_arms(network, placement, hubs);
   std::vector<Cluster> clusters;
   for (const std::vector<int>& list : groups) {
     std::map<int, int> position;

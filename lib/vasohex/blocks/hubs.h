@@ -12,11 +12,17 @@ namespace vasohex {
 /// Junctions linked to each other, directly or through others.
 using Cluster = std::vector<Hub>;
 
-/// All clusters of the network, in the order of their first node. Caps lie where the surface around the branch is a
-/// tube again; branches too short for two caps become links.
-/// Where two of three branches leave side by side their cube stands `before_parting` radii before their tubes part;
-/// infinity: at the node.
-std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface, double before_parting = 1);
+/// What cannot be told before: where cubes and caps stand best.
+struct Placement {
+  /// Radii from a cube to where two of three branches that leave side by side part; infinity: it stands at the node.
+  double before_parting = 1;
+  double beyond = 0;          ///< radii that caps stand further out than they need, where there is room
+};
+
+/// All clusters of the network, in the order of their first node: the same ones for any placement. Caps lie where the
+/// surface around the branch is a tube again; branches too short for two caps become links.
+std::vector<Cluster> find_clusters(const Network& network, const ImplicitSurface& surface,
+                                   const Placement& placement = {});
 
 /// The stretches of the network that the cluster's blocks take up.
 std::vector<Stretch> stretches_of(const Network& network, const Cluster& cluster);

@@ -67,21 +67,27 @@ std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arra
   if (now.cluster[h].arms.size() <= kCubeArms) {
     add(now, h, 6);
   }
-  if (now.cluster[h].arms.size() > 3) {
-    for (const Cluster& divided : split_hub(now.cluster, h)) {
-      Arrangement a{divided, now.assignments};
-      for (std::size_t s = now.cluster.size(); s < divided.size(); ++s) {
-        a.assignments.push_back(assignments_of(divided[s], 1).front());
-      }
-      add(a, h, 1);
+  // `a` with its hub `changed` divided in all ways
+  const auto add_divided = [&](const Arrangement& a, int changed) {
+    if (a.cluster[changed].arms.size() <= 3) {
+      return;
     }
-  }
+    for (const Cluster& divided : split_hub(a.cluster, changed)) {
+      Arrangement d{divided, a.assignments};
+      for (std::size_t s = a.cluster.size(); s < divided.size(); ++s) {
+        d.assignments.push_back(assignments_of(divided[s], 1).front());
+      }
+      add(d, changed, 1);
+    }
+  };
+  add_divided(now, h);
   for (const auto& [merged, at] : merge_hub(now.cluster, h)) {
     Arrangement a{merged, {}};
     for (const Hub& hub : merged) {
       a.assignments.push_back(assignments_of(hub, 1).front());
     }
     add(a, at, 6);
+    add_divided(a, at);  // branches of two junctions may run side by side
   }
   if (all.empty()) {
     throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
@@ -151,14 +157,15 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
   if (alone && !is_good()) {
     const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, kLongSearch * options.candidates);
     attempt_all(all);
-    for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 3) && !(best && best->solution.certified); ++i) {
+    const int most = std::min({static_cast<int>(all.size()), options.candidates, 3});
+    for (int i = 0; i < most && !(best && best->solution.certified); ++i) {
       attempt(all[i], true);
     }
   }
   // Of several hubs the weakest is arranged anew, then the next.
-  constexpr int kMostRounds = 6;
+  const int most_rounds = std::min(6, options.candidates);
   std::vector<char> done(best->cluster.size(), 0);
-  for (int round = 0; round < kMostRounds && best->cluster.size() > 1 && !is_good(); ++round) {
+  for (int round = 0; round < most_rounds && best->cluster.size() > 1 && !is_good(); ++round) {
     const std::vector<double> least = least_of_hubs(*best);
     std::optional<int> weakest;
     for (int h = 0; h < static_cast<int>(least.size()); ++h) {
@@ -170,7 +177,9 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
       break;
     }
     const Arrangement now{best->cluster, best->assignments};
-    attempt_all(arrangements(surface, now, *weakest, kLongSearch * options.candidates));
+    // each try costs as much as all of the cluster
+    const int hubs = std::max(2, static_cast<int>(now.cluster.size()));
+    attempt_all(arrangements(surface, now, *weakest, std::max(3, 2 * kLongSearch * options.candidates / hubs)));
     if (best->cluster.size() < now.cluster.size()) {
       done.assign(best->cluster.size(), 0);  // two hubs became one: the numbers are new
     } else {

@@ -287,7 +287,7 @@ std::vector<std::pair<Cluster, int>> merge_hub(const Cluster& cluster, int h) {
         widest = std::max(widest, arm.radius);
       }
     }
-    if (length_of(short_link.axis) > 2 * widest) {
+    if (length_of(short_link.axis) > 3 * widest) {
       continue;
     }
     const int kept = std::min(h, other), gone = std::max(h, other);

@@ -17,8 +17,8 @@ inline constexpr int kCubeArms = 6;
 /// first; none if no arms are near each other. The new hubs stand at `h` and behind the old ones.
 std::vector<Cluster> split_hub(const Cluster& cluster, int h);
 
-/// Clusters in which hub `h` and one that a link shorter than 1.5 radii leads to are one hub, in the middle between
-/// them, with the arms of both; where both link to a third hub they stay two. It stands at the lesser of the two places.
+/// Clusters in which hub `h` and one that a link shorter than three radii leads to are one hub, in the middle
+/// between them, with the arms of both; where both link to a third hub they stay two. It stands at the lesser of the two places.
 std::vector<std::pair<Cluster, int>> merge_hub(const Cluster& cluster, int h);
 
 }  // namespace vasohex

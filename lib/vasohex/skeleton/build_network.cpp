@@ -9,6 +9,7 @@
 #include "vasohex/core/error.h"
 #include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/clean.h"
+#include "vasohex/skeleton/leave_out.h"
 #include "vasohex/skeleton/loops.h"
 #include "vasohex/skeleton/sample_axis.h"
 #include "vasohex/skeleton/smooth_path.h"
@@ -238,6 +239,7 @@ struct Changes {
   Largest rounded;   ///< distance of the axis from straight edges, over the radius
   int straightened = 0;
   std::vector<Largest> bends;  ///< rounded: displacement over the radius
+  std::vector<Largest> left_out;  ///< points: distance from the axis over the radius
 };
 
 /// The stretch of a curve between the nodes at parameters `at.front()` and `at.back()`, with radii given at some
@@ -350,6 +352,9 @@ void add_branches(const Skeleton& skeleton, const Topology& topology, Path path,
   }
   for (const PathBend& bend : near.bends) {
     changes.bends.push_back({bend.moved, points[bend.point]});
+  }
+  for (const PathBend& point : near.left_out) {
+    changes.left_out.push_back({point.moved, points[point.point]});
   }
   changes.straightened += near.straightened;
   changes.rounded.add(near.off_edge, points[near.off_edge_at]);
@@ -528,8 +533,14 @@ Network assemble(const Skeleton& skeleton, const Run& run) {
   report(changes.moved, 0.01, "smoothing moved points by up to ", 1, " radii");
   report(changes.smoothed, 0.01, "smoothing changed radii by up to ", 100, " %");
   report(changes.lowered, 0.01, "radii that change by more than 0.75 per length lowered by up to ", 100, " %");
-  std::stable_sort(changes.bends.begin(), changes.bends.end(),
-                   [](const Largest& a, const Largest& b) { return a.value > b.value; });
+  for (std::vector<Largest>* list : {&changes.bends, &changes.left_out}) {
+    std::stable_sort(list->begin(), list->end(), [](const Largest& a, const Largest& b) { return a.value > b.value; });
+  }
+  for (const Largest& point : changes.left_out) {
+    network.repairs.push_back(place_of(skeleton, point.point) +
+                              " left out: a tube through it would bend too sharply; it is " +
+                              short_text(std::round(100 * point.value) / 100) + " radii from the axis");
+  }
   for (const Largest& bend : changes.bends) {
     if (bend.value > kWorthALine) {
       network.repairs.push_back("the bend at " + place_of(skeleton, bend.point) +

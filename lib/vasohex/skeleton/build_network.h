@@ -35,6 +35,8 @@ struct NetworkOptions {
 ///   point moves by more than 0.2 radii, no radius changes by more than 20 %, except as follows.
 /// - Bends with less than 1.05 radii are rounded to 1.1 radii, unless that would move the axis by more than 4 radii (see
 ///   limit_bends). Every place where it moves by more than 0.1 radii is reported with how far.
+/// - Where that moves a bend by more than one radius, a point there may be left out instead (see curve_near), if it is
+///   not more than 4 of its radii off the axis then; each is reported with its distance.
 /// - Where a node is more than 15 % wider than a branch one node radius away from it, the branch keeps its own radius
 ///   up to the node: a skeleton has but one radius per point, that of the widest branch.
 /// - Radii change along the axis by at most 0.75 per length between points; steeper bulges are lowered.

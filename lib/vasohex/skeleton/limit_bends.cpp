@@ -14,6 +14,7 @@ constexpr double kAimedAt = 0.86;   // for which this is aimed at
 constexpr double kSpacing = 0.25;   // of the beads, in radii
 constexpr double kFarthest = 4;     // displacement at most, in radii
 constexpr double kSmoothedOver = 0.3;  // in radii, at the end
+constexpr int kSmoothedBeside = 3;     // beads that did not move, on each side
 constexpr int kPasses = 3;  // points come nearer to each other, and with them their radii
 constexpr int kSweeps = 5000;
 constexpr int kSweepsBetweenThinning = 20;
@@ -286,12 +287,27 @@ LimitedBends limit_bends(const SpaceSpline& curve, const std::vector<double>& ra
   for (int j = 0; j < n; ++j) {
     data.values.row(j) = string.beads[j].position.transpose();
   }
-  std::vector<double> compliance(n, 0.0);  // of beads that moved: they lie on the curve to some per cent of a radius
-  for (int j = 0; j < n; ++j) {
-    const Bead& bead = string.beads[j];
-    compliance[j] = bead.fixed || bead.moved == 0 ? 0 : std::pow(kSmoothedOver * bead.radius, 3);
+  // Beads that moved lie on the curve to some per cent of a radius; so do as many as `beside` them on each side
+  const auto curve_along = [&](int beside) {
+    std::vector<double> compliance(n, 0.0);
+    for (int j = 0; j < n; ++j) {
+      bool moved = false;
+      for (int k = j - beside; k <= j + beside; ++k) {
+        moved |= (closed || (k >= 0 && k < n)) && string.at(k + n).moved > 0;
+      }
+      const Bead& bead = string.beads[j];
+      compliance[j] = bead.fixed || !moved ? 0 : std::pow(kSmoothedOver * bead.radius, 3);
+    }
+    return spline_through(data, smooth(data, compliance));
+  };
+  result.spline = curve_along(0);
+  std::vector<double> bead_radii;
+  for (int j = 0; j < n + (closed ? 1 : 0); ++j) {
+    bead_radii.push_back(string.at(j).radius);
   }
-  result.spline = spline_through(data, smooth(data, compliance));
+  if (sharpest(result.spline, bead_radii) > 1) {
+    result.spline = curve_along(kSmoothedBeside);  // it may bend sharply where it leaves the last one that moved
+  }
   for (int j = 0; j < n; ++j) {
     if (string.beads[j].fixed) {
       result.spline.points[j] = string.beads[j].position;  // to the last bit

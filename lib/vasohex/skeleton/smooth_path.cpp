@@ -173,7 +173,7 @@ SpaceSpline smooth_points(const PathPoints& path, const std::vector<double>& rad
   return spline;
 }
 
-PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii) {
+PathCurve curve_near_all(const PathPoints& path, const std::vector<double>& radii) {
   const std::size_t n = path.points.size(), edges = path.closed ? n : n - 1;
   std::vector<Vec3> direction(edges);
   std::vector<double> length(edges);

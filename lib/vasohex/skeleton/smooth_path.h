@@ -15,7 +15,7 @@ struct PathPoints {
   bool closed = false;
 };
 
-/// A bend that was rounded, and how far that moved the curve, in radii.
+/// A point where the curve was changed, and how far that moved it, in radii.
 struct PathBend {
   std::size_t point = 0;
   double moved = 0;
@@ -40,6 +40,7 @@ struct PathCurve {
   std::vector<double> t;        ///< [n] (closed: [n + 1]) parameter of each point, ascending; fixed ones are at knots
   std::vector<double> moved;    ///< [n] displacement of each point by smoothing, in radii
   std::vector<PathBend> bends;  ///< rounded
+  std::vector<PathBend> left_out;  ///< points that the curve does not follow (see leave_out.h), their distance
   int straightened = 0;         ///< edges that got knots of their own
   double off_edge = 0;          ///< largest distance of the curve from such an edge, in radii
   std::size_t off_edge_at = 0;  ///< the nearer point of the path
@@ -48,6 +49,6 @@ struct PathCurve {
 /// The curve of smooth_points, with two exceptions: an edge of more than 10 radii that it leaves by more than 0.25
 /// radii is followed as a straight line, apart from some radii at corners, which are passed with a bend of about 2
 /// radii; and bends sharper than a tube allows are rounded (see limit_bends).
-PathCurve curve_near(const PathPoints& path, const std::vector<double>& radii);
+PathCurve curve_near_all(const PathPoints& path, const std::vector<double>& radii);
 
 }  // namespace vasohex
