@@ -338,6 +338,14 @@ TEST(ExtractSkeleton, DeadEndsAreKeptAndNoted) {
   EXPECT_EQ(count_ends(thin.skeleton), 2);
 }
 
+TEST(ExtractSkeleton, SacsAreVessels) {
+  const Extraction sac = extracted(iso_surface(
+      [](const Vec3& x) { return std::min(line(x, Vec3::UnitX(), 1), (x - Vec3(0, 2.6, 0)).norm() - 1.9); },
+      Vec3(-5.01, -1.52, -2.03), 0.15, {67, 50, 27}));
+  EXPECT_EQ(count_ends(sac.skeleton), 3);
+  EXPECT_EQ(junctions(sac.skeleton).size(), 1U);
+}
+
 /// The largest distance of a point of `a` from the segments of `b`.
 double distance(const Skeleton& a, const Skeleton& b) {
   double most = 0;

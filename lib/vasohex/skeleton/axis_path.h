@@ -19,6 +19,11 @@ struct Station {
 };
 using Path = std::vector<Station>;
 
+/// The radius between two stations, u of the way; 0 if one of them does not count.
+inline double radius_between(const Station& a, const Station& b, double u) {
+  return a.radius > 0 && b.radius > 0 ? (1 - u) * a.radius + u * b.radius : 0;
+}
+
 /// Stations at equal steps of (length / local size), about `spacing` each; first and last stay.
 template <class Size>
 Path resample(const Path& path, double spacing, Size&& size) {
@@ -36,8 +41,7 @@ Path resample(const Path& path, double spacing, Size&& size) {
     }
     const double u = t[i] > t[i - 1] ? std::clamp((at - t[i - 1]) / (t[i] - t[i - 1]), 0.0, 1.0) : 0.0;
     const Station &a = path[i - 1], &b = path[i];
-    result.push_back(
-        {(1 - u) * a.point + u * b.point, (1 - u) * a.width + u * b.width, (1 - u) * a.radius + u * b.radius});
+    result.push_back({(1 - u) * a.point + u * b.point, (1 - u) * a.width + u * b.width, radius_between(a, b, u)});
   }
   result.push_back(path.back());
   return result;

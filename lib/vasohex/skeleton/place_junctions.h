@@ -28,10 +28,9 @@ struct JunctionLayout {
 
 /// Places the junctions of a graph where the axes `paths` of its vessels meet, of which the stations with a section
 /// count. Dead ends go straight on, SurfaceEnds stay.
-/// - Where two of the vessels are one that runs through, by their radii and directions, its axis is that of circles
-///   (circle_of) past the openings of the others, in `paths` too, and the others meet it: each where its line comes
-///   nearest. So side branches close to each other get a junction each, and in their order along the vessel, even if
-///   the graph has one for all; nearer than .3 radii they share one.
+/// - Where side branches leave a vessel close to each other (through_vessel), its axis is that of circles (circle_of)
+///   past their openings, in `paths` too, and each meets it where its line comes nearest. So each gets a junction, in
+///   their order along the vessel, even if the graph has one for all; nearer than .3 radii they share one.
 /// - Otherwise a junction is the point nearest to the axes of its vessels, wide ones weigh most.
 JunctionLayout place_junctions(const VesselGraph& graph, const PartedLumen& lumen, std::vector<Path>& paths,
                                const std::vector<Station>& nodes, const std::vector<SurfaceEnd>& ends);

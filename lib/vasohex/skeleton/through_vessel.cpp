@@ -16,6 +16,7 @@ constexpr double kAlong = 2;    ///< radii along the vessel that runs through in
 constexpr double kTrunk = 1;    ///< radii of the branches that leave a node: so far outside it has a trunk
 constexpr double kClear = 0.5;  ///< own radii outside of the vessel it branches off where a section counts
 constexpr double kApart = 0.3;  ///< radii between two junctions
+constexpr double kLeastOwn = 0.8, kWhole = 0.97;  ///< part of the way around that is own wall
 constexpr int kCirclePasses = 3;
 constexpr double kCircles = 0.3;  ///< widths between two circles
 constexpr int kSmoothings = 2;
@@ -26,11 +27,30 @@ std::optional<std::array<Arrival, 2>> through_pair(const Cluster& cluster) {
   std::vector<Arrival> arms = cluster.arms;
   std::stable_sort(arms.begin(), arms.end(),
                    [](const Arrival& a, const Arrival& b) { return a.calibre > b.calibre; });
-  if (arms.size() < 3 || arms[1].calibre < kAlike * arms[0].calibre || arms[2].calibre > kSide * arms[1].calibre ||
+  if (arms.size() < 4 || arms[1].calibre < kAlike * arms[0].calibre || arms[2].calibre > kSide * arms[1].calibre ||
       angle_between(arms[0].outward, arms[1].outward) < kLeastTurn) {
     return {};
   }
   return std::array{arms[0], arms[1]};
+}
+
+/// The section around a station of the vessel that runs through. A whole one says most, then a circle past openings.
+std::optional<Section> through_section(const std::array<Arrival, 2>& pair, const std::vector<int>& vessels,
+                                       const PartedLumen& lumen, const Station& at, const Vec3& direction,
+                                       double radius) {
+  std::optional<Section> best;
+  for (const Arrival& arm : pair) {
+    const auto section = section_of(lumen, arm.vessel, at.point, direction);
+    if (section && section->area > 0 && (section->centre - at.point).norm() < at.width &&
+        section->own > (best ? best->own : kLeastOwn)) {
+      best = section;
+    }
+  }
+  if (best && best->own > kWhole) {
+    return best;
+  }
+  const auto circle = circle_of(lumen, vessels, at.point, direction, radius);
+  return circle ? circle : best;
 }
 
 /// The axis of the vessel that runs through, over its last stations before and after the junctions too.
@@ -60,10 +80,9 @@ Path through_axis(const std::array<Arrival, 2>& pair, const Cluster& cluster, co
     for (std::size_t i = 1; i + 1 < axis.size(); ++i) {
       const double u = static_cast<double>(i) / static_cast<double>(axis.size() - 1);
       const double radius = (1 - u) * ends[0].radius + u * ends[1].radius;
-      if (const auto circle = circle_of(lumen, vessels, axis[i].point, direction_at(axis, i), radius)) {
-        moved[i].point = circle->centre;
-        moved[i].radius = std::sqrt(circle->area / std::numbers::pi);
-      }
+      const auto section = through_section(pair, vessels, lumen, axis[i], direction_at(axis, i), radius);
+      moved[i].point = section ? section->centre : axis[i].point;
+      moved[i].radius = section ? std::sqrt(section->area / std::numbers::pi) : 0;
     }
     for (int k = 0; k < kSmoothings; ++k) {
       const Path rough = moved;

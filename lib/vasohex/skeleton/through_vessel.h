@@ -33,8 +33,8 @@ std::size_t leg_size(const Path& stations, double radius);
 /// of circles (circle_of) past the openings of the others, and they meet it where their lines come nearest, but at no
 /// angle below 70 degrees: an arm that bends at its mouth has a line that misses the wall around it. Nearer to each
 /// other than .3 radii they share a junction. Nodes of the cluster outside of the vessel, by the radius of what
-/// leaves them, stay, and what leads there is a side branch. Nothing if there is no such pair of arms, an arm has no
-/// line or passes the axis, or the cluster has a cycle.
+/// leaves them, stay, and what leads there is a side branch. Nothing if the cluster has fewer than four arms, no
+/// such pair of them, an arm without a line or one that passes the axis, or a cycle.
 std::optional<ThroughVessel> through_vessel(const Cluster& cluster, const VesselGraph& graph,
                                             const Arrivals& arrivals, const PartedLumen& lumen,
                                             const std::vector<Path>& paths);
