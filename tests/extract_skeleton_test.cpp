@@ -197,6 +197,78 @@ TEST(ExtractSkeleton, Tee) {
   }
 }
 
+/// A branch of radius r that starts at `from`.
+double branch(const Vec3& x, const Vec3& from, const Vec3& direction, double r) {
+  return (x - from).dot(direction) < 0 ? 9.0 : line(x - from, direction, r);
+}
+
+/// Side branches leave a vessel at these points of its axis: a junction of degree 3 near each, no others.
+void expect_junctions(const Skeleton& s, const std::vector<Vec3>& places, double tolerance) {
+  EXPECT_EQ(count_ends(s), static_cast<int>(places.size()) + 2);
+  EXPECT_EQ(count_components(s), 1);
+  EXPECT_EQ(count_cycles(s), 0);
+  const std::vector<int> found = junctions(s);
+  ASSERT_EQ(found.size(), places.size());
+  for (const Vec3& place : places) {
+    double nearest = 9;
+    for (const int i : found) {
+      nearest = std::min(nearest, (s.points[i] - place).norm());
+    }
+    EXPECT_LT(nearest, tolerance) << place.transpose();
+  }
+}
+
+TEST(ExtractSkeleton, SideBranchesCloseToEachOtherHaveAJunctionEach) {
+  for (const double apart : {0.8, 1.0, 1.4}) {
+    for (const double turn : {0.0, 0.6, 2.0, std::numbers::pi}) {
+      const double r = 0.35;
+      const Vec3 a(-apart / 2, 0, 0), b(apart / 2, 0, 0), up(0, std::cos(turn), std::sin(turn));
+      const Extraction e = extracted(iso_surface(
+          [&](const Vec3& x) {
+            return std::min({line(x, Vec3::UnitX(), 1), branch(x, a, Vec3::UnitY(), r), branch(x, b, up, r)});
+          },
+          Vec3(-5.03, -3.01, -3.02), 0.14, {73, 44, 44}));
+      SCOPED_TRACE(testing::Message() << apart << " apart, turned by " << turn);
+      expect_junctions(e.skeleton, {a, b}, 0.2);
+      for (const Vec3& p : e.skeleton.points) {
+        const double off = std::min({line(p, Vec3::UnitX(), 0), branch(p, a, Vec3::UnitY(), 0), branch(p, b, up, 0)});
+        EXPECT_LT(off, 0.15) << p.transpose();
+      }
+    }
+  }
+}
+
+TEST(ExtractSkeleton, SideBranchesOfAnArch) {
+  const double bend = 3;
+  std::vector<Vec3> places;
+  for (const double angle : {1.2, 1.55, 1.9}) {
+    places.push_back(bend * Vec3(std::cos(angle), std::sin(angle), 0));
+  }
+  const Extraction e = extracted(iso_surface(
+      [&](const Vec3& x) {
+        double value = torus(x, bend, 1);
+        for (const Vec3& p : places) {
+          value = std::min(value, branch(x, p, p.normalized(), 0.3));
+        }
+        return value;
+      },
+      Vec3(-4.5, 0.01, -1.52), 0.12, {76, 50, 26}));
+  expect_junctions(e.skeleton, places, 0.3);
+}
+
+TEST(ExtractSkeleton, SideBranchesCloseToAnEnd) {
+  const Vec3 at(0, 0, 0), right(0, 0, 1);
+  const Extraction e = extracted(iso_surface(
+      [&](const Vec3& x) {
+        return std::min({line(x, Vec3::UnitX(), 1), branch(x, at, Vec3::UnitY(), 0.3), branch(x, at, -right, 0.25)});
+      },
+      Vec3(-6.03, -3.01, -3.02), 0.12, {58, 50, 50}));
+  EXPECT_EQ(count_ends(e.skeleton), 4);
+  for (const int i : junctions(e.skeleton)) {
+    EXPECT_LT(e.skeleton.points[i].norm(), 0.3);
+  }
+}
+
 TEST(ExtractSkeleton, TorusIsOneCycle) {
   const Extraction e = extracted(
       iso_surface([](const Vec3& x) { return torus(x, 3, 1); }, Vec3(-4.51, -4.52, -1.53), 0.2, {46, 46, 16}));
@@ -264,6 +336,14 @@ TEST(ExtractSkeleton, DeadEndsAreKeptAndNoted) {
   };
   const Extraction thin = extracted(iso_surface(thorn, Vec3(-5.01, -1.52, -1.53), 0.1, {100, 72, 32}));
   EXPECT_EQ(count_ends(thin.skeleton), 2);
+}
+
+TEST(ExtractSkeleton, SacsAreVessels) {
+  const Extraction sac = extracted(iso_surface(
+      [](const Vec3& x) { return std::min(line(x, Vec3::UnitX(), 1), (x - Vec3(0, 2.6, 0)).norm() - 1.9); },
+      Vec3(-5.01, -1.52, -2.03), 0.15, {67, 50, 27}));
+  EXPECT_EQ(count_ends(sac.skeleton), 3);
+  EXPECT_EQ(junctions(sac.skeleton).size(), 1U);
 }
 
 /// The largest distance of a point of `a` from the segments of `b`.

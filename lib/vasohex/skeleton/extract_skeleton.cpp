@@ -24,23 +24,22 @@ std::vector<int> vessels_of(const ClosedLumen& lumen, const SizedLumen& sized, c
   return result;
 }
 
-Skeleton to_skeleton(const VesselGraph& graph, const CentredAxes& centred) {
+Skeleton to_skeleton(const CentredAxes& centred) {
   Skeleton skeleton;
   for (const AxisSample& node : centred.nodes) {
     skeleton.points.push_back(node.point);
     skeleton.radii.push_back(node.radius);
   }
-  for (std::size_t v = 0; v < graph.vessels.size(); ++v) {
-    const std::vector<AxisSample>& axis = centred.axes[v];
-    int before = graph.vessels[v].nodes[0];
-    for (std::size_t i = 1; i + 1 < axis.size(); ++i) {
+  for (const CentredAxis& axis : centred.axes) {
+    int before = axis.nodes[0];
+    for (std::size_t i = 1; i + 1 < axis.samples.size(); ++i) {
       const int next = static_cast<int>(skeleton.points.size());
-      skeleton.points.push_back(axis[i].point);
-      skeleton.radii.push_back(axis[i].radius);
+      skeleton.points.push_back(axis.samples[i].point);
+      skeleton.radii.push_back(axis.samples[i].radius);
       skeleton.segments.push_back({before, next});
       before = next;
     }
-    skeleton.segments.push_back({before, graph.vessels[v].nodes[1]});
+    skeleton.segments.push_back({before, axis.nodes[1]});
   }
   return skeleton;
 }
@@ -68,12 +67,12 @@ Extraction extract_skeleton(const TriSurface& surface, const std::vector<Surface
     throw Error(ErrorCode::bad_input, "the surface has no vessel: no piece of it is longer than wide");
   }
   const CentredAxes centred = centre_axes(graph, lumen, vessels_of(lumen, sized, graph), ends, run);
-  result.skeleton = to_skeleton(graph, centred);
+  result.skeleton = to_skeleton(centred);
   result.skeleton.units = surface.units;
   result.end_points.assign(ends.size(), -1);
-  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-    if (graph.nodes[i].end >= 0) {
-      result.end_points[graph.nodes[i].end] = static_cast<int>(i);
+  for (std::size_t i = 0; i < centred.end_of.size(); ++i) {
+    if (centred.end_of[i] >= 0) {
+      result.end_points[centred.end_of[i]] = static_cast<int>(i);
     }
   }
   return result;

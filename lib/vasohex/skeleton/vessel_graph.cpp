@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <queue>
 #include <set>
 
 #include "vasohex/core/short_text.h"
@@ -12,9 +14,11 @@ namespace {
 
 constexpr double kMergeJunctions = 0.2;  ///< local widths
 constexpr double kLeastReach = 1.5;      ///< of dead ends out of their vessel, in its radii
-constexpr double kThinReach = 4;         ///< the same of those thinner than kThin of it: a bump of the wall, not a vessel
+constexpr double kThinReach = 4;  ///< the same of those thinner than kThin of it: a bump of the wall, not a vessel
 constexpr double kThin = 0.3;
-constexpr double kTipLeft = 1.0 / 3;     ///< radii between a dead end and the wall: keeps the volume of a round one
+/// Of the volume of dead ends: below it they taper. A cone has 1/3, half an ellipsoid 2/3, vessels and sacs about 1.
+constexpr double kLeastFullness = 0.6;
+constexpr double kTipLeft = 1.0 / 3;  ///< radii between a dead end and the wall: keeps the volume of a round one
 
 constexpr int kNoEnd = -1, kDeadEnd = -2;
 
@@ -42,6 +46,15 @@ double distance_to_wall(const ClosedLumen& lumen, const Vec3& origin, const Vec3
   }
   return nearest;
 }
+
+/// Shortest ways along the graph to one of several points.
+struct Ways {
+  std::vector<int> before;        ///< [points] the next point on the way; -1: there, or not connected
+  std::vector<double> distances;  ///< [points]
+  std::vector<int> order;         ///< the points that are connected, ascending by distance
+
+  int farthest() const { return order.back(); }
+};
 
 /// The graph while it is being cleaned.
 class Graph {
@@ -130,6 +143,34 @@ class Graph {
     return chain;
   }
 
+  Ways ways_from(const std::vector<int>& starts) const {
+    Ways ways{std::vector<int>(points.size(), -1),
+              std::vector<double>(points.size(), std::numeric_limits<double>::infinity()),
+              {}};
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    for (const int i : starts) {
+      ways.distances[i] = 0;
+      open.emplace(0, i);
+    }
+    while (!open.empty()) {
+      const auto [d, i] = open.top();
+      open.pop();
+      if (d != ways.distances[i]) {
+        continue;
+      }
+      ways.order.push_back(i);
+      for (const int j : neighbours[i]) {
+        if (const double next = d + (points[i] - points[j]).norm(); next < ways.distances[j]) {
+          ways.distances[j] = next;
+          ways.before[j] = i;
+          open.emplace(next, j);
+        }
+      }
+    }
+    return ways;
+  }
+
   /// All chains once, ascending by their first node.
   std::vector<Chain> chains() const {
     std::vector<Chain> result;
@@ -188,71 +229,166 @@ void free_ends(Graph& graph, const CurveGraph& curves, const std::vector<Surface
 
 /// A vessel that ends without a SurfaceEnd.
 struct DeadEnd {
-  Chain chain;         ///< from the tip to the next node
-  double radius = 0;   ///< its own
-  double to_wall = 0;  ///< from its tip on
-  double reach = 0;    ///< out of the vessel that it branches off
-  double least = 0;    ///< reach that it needs to stay
+  Chain chain;          ///< from the tip to a point that stays
+  double radius = 0;    ///< its own
+  double reach = 0;     ///< out of the vessel that it branches off
+  double least = 0;     ///< reach that it needs to stay
+  double fullness = 0;  ///< its volume outside of that vessel in terms of a tube as wide as it is where it leaves it
+
+  bool is_vessel() const { return reach >= least && fullness >= kLeastFullness; }
 };
 
-DeadEnd dead_end_at(const Graph& graph, const ClosedLumen& lumen, int tip) {
-  DeadEnd dead;
-  dead.chain = graph.chain_from(tip, *graph.neighbours[tip].begin());
-  const int base = dead.chain.back();
-  dead.radius = graph.widths[tip];
-  const Vec3 direction = (graph.points[tip] - graph.points[dead.chain[1]]).normalized();
-  dead.to_wall = std::min(distance_to_wall(lumen, graph.points[tip], direction), 2 * dead.radius);
-  double parent =
-      0;  // the widest place of other vessels around the base; at the base itself the dead end has a share
+/// From the tip of a dead end on, in its direction; at most its diameter.
+double tip_to_wall(const Graph& graph, const ClosedLumen& lumen, int tip) {
+  const Vec3 direction = (graph.points[tip] - graph.points[*graph.neighbours[tip].begin()]).normalized();
+  return std::min(distance_to_wall(lumen, graph.points[tip], direction), 2 * graph.widths[tip]);
+}
+
+/// The widest place of other vessels around the base of a chain; at the base itself the chain has a share.
+double parent_width(const Graph& graph, const Chain& chain) {
+  const int base = chain.back();
+  double widest = 0;
   for (int i = 0; i < static_cast<int>(graph.points.size()); ++i) {
-    const bool is_own = std::find(dead.chain.begin(), dead.chain.end(), i) != dead.chain.end();
-    if (!is_own && !graph.is_gone(i) && (graph.points[i] - graph.points[base]).norm() < graph.widths[i]) {
-      parent = std::max(parent, graph.widths[i]);
+    const bool is_own = std::find(chain.begin(), chain.end(), i) != chain.end();
+    const bool is_near =
+        graph.neighbours[base].contains(i) || (graph.points[i] - graph.points[base]).norm() < graph.widths[i];
+    if (!is_own && !graph.is_gone(i) && is_near) {
+      widest = std::max(widest, graph.widths[i]);
     }
   }
-  dead.reach = graph.length(dead.chain) + dead.to_wall - parent;
+  return widest;
+}
+
+DeadEnd dead_end_at(const Graph& graph, const ClosedLumen& lumen, const Chain& chain) {
+  DeadEnd dead;
+  dead.chain = chain;
+  dead.radius = graph.widths[chain.front()];
+  const double parent = parent_width(graph, chain), to_wall = tip_to_wall(graph, lumen, chain.front());
+  dead.reach = graph.length(chain) + to_wall - parent;
   dead.least = std::max(dead.radius, (dead.radius < kThin * parent ? kThinReach : kLeastReach) * parent);
+  double along = 0, first = 0, volume = 0;
+  for (std::size_t k = chain.size() - 1; k-- > 0;) {
+    const double width = graph.widths[chain[k]];
+    const double step = (graph.points[chain[k]] - graph.points[chain[k + 1]]).norm() + (k == 0 ? to_wall : 0);
+    along += step;
+    if (const double outside = std::min(step, along - parent); outside > 0) {
+      first = first > 0 ? first : width;
+      volume += outside * width * width;
+    }
+  }
+  dead.fullness = dead.reach > 0 ? volume / (dead.reach * first * first) : 0;
   return dead;
 }
 
-/// Leaves out dead ends that hardly leave their vessel, the one that reaches least first; prolongs the others.
-void treat_dead_ends(Graph& graph, const ClosedLumen& lumen, std::vector<std::string>& notes) {
-  const auto is_tip = [&](int i) { return graph.degree(i) == 1 && graph.end_of[i] == kNoEnd; };
-  for (;;) {
-    DeadEnd least;
-    double least_reach = 1;
-    for (int i = 0; i < static_cast<int>(graph.points.size()); ++i) {
-      if (!is_tip(i)) {
-        continue;
-      }
-      DeadEnd dead = dead_end_at(graph, lumen, i);
-      const bool branches_off = graph.degree(dead.chain.back()) > 2;
-      if (const double reach = dead.reach / dead.least; branches_off && reach < least_reach) {
-        least_reach = reach;
-        least = std::move(dead);
-      }
-    }
-    if (least.chain.empty()) {
-      break;
-    }
-    const int base = least.chain.back();
-    if (least.reach > least.radius) {
-      notes.push_back("dead end at " + short_text(graph.points[least.chain.front()]) + " left out: it reaches only " +
-                      short_text(least.reach) + " out of the vessel that it branches off");
-    }
-    for (std::size_t k = least.chain.size() - 1; k-- > 0;) {
-      graph.merge(base, least.chain[k]);
+/// Which points of the graph lie between SurfaceEnds or on cycles. Of pieces with at most one SurfaceEnd and without
+/// a cycle, those on the longest way, from that end if there is one.
+std::vector<bool> trunk_of(const Graph& graph) {
+  const int n = static_cast<int>(graph.points.size());
+  std::vector<bool> stays(n);
+  std::vector<int> degree(n), tips;
+  for (int i = 0; i < n; ++i) {
+    stays[i] = !graph.is_gone(i);
+    degree[i] = graph.degree(i);
+    if (stays[i] && degree[i] <= 1 && graph.end_of[i] == kNoEnd) {
+      tips.push_back(i);
     }
   }
-  for (int i = 0; i < static_cast<int>(graph.points.size()); ++i) {
+  while (!tips.empty()) {
+    const int tip = tips.back();
+    tips.pop_back();
+    stays[tip] = false;
+    for (const int j : graph.neighbours[tip]) {
+      if (stays[j] && --degree[j] == 1 && graph.end_of[j] == kNoEnd) {
+        tips.push_back(j);
+      }
+    }
+  }
+  std::vector<bool> seen(n, false);
+  for (int i = 0; i < n; ++i) {
+    if (seen[i] || graph.is_gone(i)) {
+      continue;
+    }
+    const auto way = [&](int from) { return graph.ways_from({from}); };
+    const Ways first = way(i);
+    int kept = 0, end = -1;
+    for (const int j : first.order) {
+      seen[j] = true;
+      kept += stays[j];
+      end = graph.end_of[j] >= 0 ? j : end;
+    }
+    if (kept > 1) {
+      continue;
+    }
+    const Ways ways = way(end >= 0 ? end : first.farthest());
+    for (int j = ways.farthest(); j >= 0; j = ways.before[j]) {
+      stays[j] = true;
+    }
+  }
+  return stays;
+}
+
+/// Leaves out dead ends that hardly leave their vessel; the one that reaches most stays first. Prolongs the others.
+void treat_dead_ends(Graph& graph, const ClosedLumen& lumen, std::vector<std::string>& notes) {
+  const auto is_tip = [&](int i) { return graph.degree(i) == 1 && graph.end_of[i] == kNoEnd; };
+  std::vector<bool> stays = trunk_of(graph);
+  const int n = static_cast<int>(graph.points.size());
+  std::vector<DeadEnd> left_out;
+  for (;;) {
+    std::vector<int> from;
+    for (int i = 0; i < n; ++i) {
+      if (stays[i]) {
+        from.push_back(i);
+      }
+    }
+    const Ways ways = graph.ways_from(from);
+    left_out.clear();
+    int best = -1;
+    for (int i = 0; i < n; ++i) {
+      if (is_tip(i) && !stays[i]) {
+        Chain chain{i};
+        while (!stays[chain.back()]) {
+          chain.push_back(ways.before[chain.back()]);
+        }
+        left_out.push_back(dead_end_at(graph, lumen, chain));
+        const DeadEnd& dead = left_out.back();
+        if (dead.is_vessel() && (best < 0 || dead.reach * left_out[best].least > left_out[best].reach * dead.least)) {
+          best = static_cast<int>(left_out.size()) - 1;
+        }
+      }
+    }
+    if (best < 0) {
+      break;
+    }
+    for (const int i : left_out[best].chain) {
+      stays[i] = true;
+    }
+  }
+  for (const DeadEnd& dead : left_out) {
+    if (dead.reach >= dead.least) {
+      notes.push_back("bump of the wall at " + short_text(graph.points[dead.chain.front()]) + ": it reaches " +
+                      short_text(dead.reach) +
+                      " out of the vessel that it is on, but tapers like a cone: no vessel of its own");
+    } else if (dead.reach > dead.radius) {
+      notes.push_back("dead end at " + short_text(graph.points[dead.chain.front()]) + " left out: it reaches only " +
+                      short_text(dead.reach) + " out of the vessel that it branches off");
+    }
+    for (std::size_t k = dead.chain.size() - 1; k-- > 0;) {
+      if (!graph.is_gone(dead.chain[k])) {
+        graph.merge(dead.chain.back(), dead.chain[k]);
+      }
+    }
+  }
+  for (int i = 0; i < n; ++i) {
     if (is_tip(i)) {
-      const DeadEnd dead = dead_end_at(graph, lumen, i);
-      const Vec3 direction = (graph.points[i] - graph.points[dead.chain[1]]).normalized();
-      const double further = std::max(dead.to_wall - kTipLeft * dead.radius, 0.0);
-      const int tip = graph.add(graph.points[i] + further * direction, graph.widths[i]);
+      const int next = *graph.neighbours[i].begin();
+      const Vec3 direction = (graph.points[i] - graph.points[next]).normalized();
+      const double width = graph.widths[i];
+      const double further = std::max(tip_to_wall(graph, lumen, i) - kTipLeft * width, 0.0);
+      const Chain chain = graph.chain_from(i, next);
+      const int tip = graph.add(graph.points[i] + further * direction, width);
       graph.join(i, tip);
       notes.push_back("dead end at " + short_text(graph.points[tip]) + ": a vessel of radius " +
-                      short_text(graph.widths[dead.chain[dead.chain.size() / 2]]) +
+                      short_text(graph.widths[chain[chain.size() / 2]]) +
                       " ends there without an opening or a flat cap");
       graph.end_of[tip] = kDeadEnd;
     }
