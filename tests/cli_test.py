@@ -278,6 +278,9 @@ class Cli(unittest.TestCase):
         self.assertEqual([s["name"] for s in figures["surfaces"]], ["wall", "inlet", "outlet_1"])
         self.assertEqual((figures["validity"]["invalid"], figures["unconverged_projections"]), (0, 0))
         self.assertGreater(figures["quality"]["scaled_jacobian"]["min"], 0.75)
+        self.assertEqual(figures["lumen"]["winding_number"], {"points": 200, "contradictions": 0})
+        self.assertEqual((figures["wall_relaxed"]["nodes"], figures["reach"]["unreached"]), (0, []))
+        self.assertTrue(figures["reach"]["points"] > 1000 and figures["reach"]["max"] < 0.02)
         self.run_well("skeleton", "tube.off", "-o", "tube.swc", "-o", "tube.json", "-o", "tube.vtp")
         skeleton = json.loads((self.folder / "tube.json").read_text())
         for (x, y, z), radius in zip(skeleton["points"], skeleton["radius"]):
@@ -287,6 +290,39 @@ class Cli(unittest.TestCase):
         # one given for the other, and facets
         self.run_well("mesh", "tube.swc", "--surface", "tube.off", "-o", "out.msh", "-n", "2")
         self.run_well("mesh", "tube.off", "--skeleton", "tube.json", "--facets", "-o", "out.msh", "-n", "2")
+
+    def test_dirty_lumens(self):
+        """Repaired, and each repair is told with its place."""
+        tube = tube_off().splitlines()
+        points, faces = int(tube[1].split()[0]), int(tube[1].split()[1])
+        first = 2 + points  # line of the first face
+
+        def dirty(change):
+            lines = list(tube)
+            change(lines)
+            lines[1] = f"{sum(len(line.split()) == 3 for line in lines[2:])} {len(lines) - 2 - points} 0"
+            return "\n".join(lines) + "\n"
+
+        def flip(lines):
+            for i in range(300, 310):
+                count, *corners = lines[first + i].split()
+                lines[first + i] = " ".join([count, *corners[::-1]])
+
+        for wrong, text, named, lumens in (
+                ("a hole", dirty(lambda lines: lines.pop(first + 300)), r"hole of 4 edges in the wall closed.*\(", 1),
+                ("flipped", dirty(flip), r"turned", 1),
+                ("two shells", "\n".join(["OFF", f"{2 * points} {2 * faces} 0", *tube[2:first],
+                                          *(" ".join([str(float(line.split()[0]) + 5), *line.split()[1:]])
+                                            for line in tube[2:first]), *tube[first:],
+                                          *(" ".join([line.split()[0], *(str(int(c) + points) for c in line.split()[1:])])
+                                            for line in tube[first:])]) + "\n", r"2 component\(s\)", 2)):
+            with self.subTest(wrong):
+                (self.folder / "a.off").write_text(text)
+                out = self.run_well("mesh", "a.off", "-o", "out.msh", "-n", 2, "-p", 2, "--json", "a.json")
+                self.assertRegex(out, named)
+                figures = json.loads((self.folder / "a.json").read_text())
+                self.assertEqual((figures["components"], figures["validity"]["invalid"]), (lumens, 0))
+                self.assertEqual(figures["lumen"]["winding_number"]["contradictions"], 0)
 
     def test_bad_lumens(self):
         tube = tube_off()

@@ -7,6 +7,7 @@
 
 #include "gallery.h"
 #include "mesh_properties.h"
+#include "vasohex/core/reference_hex.h"
 #include "vasohex/quality/quality_report.h"
 #include "vasohex/skeleton/tie_ends.h"
 #include "vasohex/vasohex.h"
@@ -175,6 +176,137 @@ TEST(Lumen, MayCloseWithoutAnEnd) {
     furthest = std::max(furthest, p.x());
   }
   EXPECT_NEAR(furthest, 9, 0.01);  // the wall of the half sphere is reached
+}
+
+/// A round tube along x with a ridge all around it at x = 4.22, narrower than an element: .24 high and as wide.
+class RidgedTube final : public ImplicitSurface {
+ public:
+  double value(const Vec3& x) const override {
+    Vec3 gradient;
+    return value(x, gradient);
+  }
+  double value(const Vec3& x, Vec3& gradient) const override {
+    const Vec3 across(0, x.y(), x.z());
+    const double off = x.x() - kAt, ridge = std::max(0.0, 0.24 - 2 * std::abs(off));
+    gradient = across.norm() > 0 ? Vec3(across.normalized()) : Vec3(Vec3::UnitY());
+    gradient.x() = ridge > 0 ? (off > 0 ? 2 : -2) : 0;
+    return across.norm() - 1 - ridge;
+  }
+  double radius(const Vec3&) const override { return 1; }
+  static constexpr double kAt = 4.22;
+};
+
+Skeleton straight_skeleton() {
+  Skeleton s;
+  for (int i = 0; i <= 8; ++i) {
+    s.points.emplace_back(i, 0, 0);
+    s.radii.push_back(1);
+    if (i > 0) {
+      s.segments.push_back({i - 1, i});
+    }
+  }
+  return s;
+}
+
+Lumen open_tube(std::shared_ptr<const ImplicitSurface> surface) {
+  Lumen lumen;
+  lumen.ends = {{Vec3::Zero(), -Vec3::UnitX(), 1}, {Vec3(8, 0, 0), Vec3::UnitX(), 1}};
+  lumen.surface = [surface = std::move(surface)](const Network&) { return surface; };
+  return lumen;
+}
+
+TEST(Lumen, ElementsDoNotFoldAtCreases) {
+  const auto surface = std::make_shared<RidgedTube>();
+  for (const int order : {4, 5}) {
+    SCOPED_TRACE(order);
+    SkeletonMeshOptions options;
+    options.mesh.order = order;
+    options.grading.elements = 3;
+    const SkeletonMesh m = mesh_lumen(straight_skeleton(), open_tube(surface), options);
+    const HexMesh& mesh = m.result.mesh;
+    const QualityReport quality = measure_quality(mesh);
+    EXPECT_EQ(quality.certified, mesh.element_count());
+    EXPECT_GT(quality.scaled_jacobian.min, 0.45);
+    EXPECT_EQ(m.result.unconverged, 0);
+    EXPECT_GT(m.result.relaxed.nodes, 0);
+    EXPECT_LT(m.result.relaxed.largest, 0.24);
+    EXPECT_LT(std::abs(m.result.relaxed.place.x() - RidgedTube::kAt), 0.7);
+    // only there, and corners of elements lie on the surface everywhere
+    const int n = order + 1;
+    int off = 0;
+    for (const HexMesh::BoundaryFace& face : mesh.boundary) {
+      for (int at = 0; face.surface == 0 && at < n * n; ++at) {
+        const Vec3& x = mesh.nodes[mesh.elements[static_cast<std::size_t>(face.element) * n * n * n +
+                                                 hex_face_point(face.face, at % n, at / n, {n, n, n})]];
+        const bool corner = (at % n == 0 || at % n == order) && (at / n == 0 || at / n == order);
+        const double distance = std::abs(surface->value(x));
+        off += distance > 1e-6;
+        EXPECT_LT(distance, corner || std::abs(x.x() - RidgedTube::kAt) > 0.7 ? 1e-7 : 0.24);
+      }
+    }
+    EXPECT_GT(off, 0);
+    vasohex::Run three;
+    three.threads = 3;
+    EXPECT_EQ(mesh_lumen(straight_skeleton(), open_tube(surface), options, three).result.mesh.nodes, mesh.nodes);
+  }
+}
+
+TEST(Lumen, SmoothWallsAreLeftAlone) {
+  for (const Skeleton& skeleton : {gallery::linked(2), gallery::random_star(3, 2, 30)}) {
+    SkeletonMeshOptions options;
+    options.mesh.order = 3;
+    options.grading.elements = 2;
+    EXPECT_EQ(mesh_skeleton(skeleton, options).result.relaxed.nodes, 0);
+  }
+}
+
+TEST(WallReach, NamesThePlacesThatAreNotReached) {
+  Lumen lumen = open_tube(std::make_shared<TestTube>(100));
+  const auto on_wall = [](double x, double angle, double off) {
+    return Vec3(x, (1 + off) * std::cos(angle), (1 + off) * std::sin(angle));
+  };
+  lumen.wall = [&](const ImplicitSurface&) {
+    std::vector<Vec3> points;
+    for (double x = -2; x < 10; x += 0.1) {  // beyond the ends, too
+      for (double a = 0; a < 6.28; a += 0.1) {
+        const double dent = std::exp(-8 * (x - 3) * (x - 3)) * (a > 1 && a < 1.6 ? 1 : 0);
+        const double bulge = std::abs(x - 6) < 0.3 && a > 4 && a < 4.6 ? 0.2 : 0;
+        points.push_back(on_wall(x, a, bulge - 0.4 * dent));
+      }
+    }
+    return points;
+  };
+  SkeletonMeshOptions options;
+  options.mesh.order = 3;
+  options.grading.elements = 2;
+  const WallReach reach = mesh_lumen(straight_skeleton(), lumen, options).reach;
+  ASSERT_EQ(reach.unreached.size(), 2u);
+  EXPECT_NEAR(reach.unreached[0].radii, 0.4, 0.02);
+  EXPECT_NEAR(reach.unreached[0].distance, 0.4, 0.02);
+  EXPECT_NEAR(reach.unreached[0].at.x(), 3, 0.11);
+  EXPECT_NEAR(reach.unreached[1].radii, 0.2, 0.02);
+  EXPECT_LT(std::abs(reach.unreached[1].at.x() - 6), 0.31);
+  EXPECT_NEAR(reach.max, reach.unreached[0].radii, 1e-12);
+  EXPECT_NEAR(reach.points, 80 * 63, 2 * 63);
+  EXPECT_GT(reach.p99, 0.05);
+  EXPECT_LT(reach.p99, 0.3);
+  EXPECT_LT(reach.mean, 0.02);
+}
+
+TEST(WallReach, PointsLieOnTheTrianglesAllOverThem) {
+  TriSurface s;
+  s.points = {Vec3(0, 0, 0), Vec3(6, 0, 0), Vec3(0, 0.2, 0)};
+  s.triangles = {{0, 1, 2}};
+  const std::vector<Vec3> points = points_on(s, TestTube(1));
+  for (double x = 0.2; x < 5.8; x += 0.1) {
+    const Vec3 middle(x, 0.1 * (1 - x / 6), 0);
+    EXPECT_LT((*std::min_element(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) {
+                return (a - middle).squaredNorm() < (b - middle).squaredNorm();
+              }) - middle).norm(), 0.3);
+  }
+  for (const Vec3& p : points) {
+    EXPECT_TRUE(p.z() == 0 && p.y() > 0 && p.x() > 0 && p.x() / 6 + p.y() / 0.2 < 1);
+  }
 }
 
 }  // namespace

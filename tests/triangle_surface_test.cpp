@@ -227,6 +227,42 @@ TEST(SmoothSurface, ErrorIsOfFourthOrderOnUnevenTriangles) {
   EXPECT_LT(fine, 1e-4);
 }
 
+/// A tube bent at right angles, of strips as long as its halves: needles whose normals at the crease say nothing.
+TEST(SmoothSurface, NeedlesAreStraightAlongTheirLength) {
+  constexpr int around = 32;
+  constexpr double length = 6;
+  TriSurface s;
+  for (int i = 0; i < around; ++i) {
+    const double a = 2 * std::numbers::pi * i / around, u = std::cos(a), v = std::sin(a);
+    s.points.emplace_back(-length, v, u);
+    s.points.emplace_back(-u, v, u);
+    s.points.emplace_back(-u, v, u - length);
+  }
+  for (int i = 0; i < around; ++i) {
+    for (int half = 0; half < 2; ++half) {
+      const int a = 3 * i + half, b = 3 * ((i + 1) % around) + half;
+      s.triangles.push_back({a, b, b + 1});
+      s.triangles.push_back({a, b + 1, a + 1});
+    }
+  }
+  Network network;
+  Branch branch;
+  branch.points = {Vec3(-length, 0, 0), Vec3(0, 0, 0), Vec3(0, 0, -length)};
+  branch.radii = {1, 1, 1};
+  network.branches.push_back(branch);
+  const SmoothSurface smooth = make_smooth_surface(prepare_surface(s), network);
+  EXPECT_LT(smooth.report.points, 5000);
+  double worst = 0;
+  for (double along = 2; along < 5.5; along += 0.05) {
+    for (double a = 0.01; a < 6.28; a += 0.02) {
+      const Projection p = project(*smooth.surface, Vec3(-along, std::cos(a), std::sin(a)));
+      EXPECT_TRUE(p.converged);
+      worst = std::max(worst, std::abs(p.point.tail<2>().norm() - 1));
+    }
+  }
+  EXPECT_LT(worst, 2.5e-3);  // the facets are 4.8e-3 off
+}
+
 TEST(SmoothSurface, NoiseIsSmoothedByMoreRings) {
   Random random(5);
   const TorusShape shape;

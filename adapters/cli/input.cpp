@@ -20,6 +20,9 @@
 namespace vasohex::cli {
 namespace {
 
+/// Triangles beside which inside and outside are checked: each takes a sum over all triangles.
+constexpr int kSignSamples = 100;
+
 enum class Kind { skeleton, surface, labelmap };
 
 Kind kind_of(const std::string& path) {
@@ -81,9 +84,15 @@ void load_surface(const Input& input, const std::string& path, bool with_skeleto
   loaded.lumen->ends = prepared->ends;
   loaded.lumen->surface = [prepared, facets = input.facets, figures = loaded.figures,
                            run](const Network& network) -> std::shared_ptr<const ImplicitSurface> {
+    auto triangles = std::make_shared<TriangleSurface>(*prepared, network);
+    const SignCheck sign = check_sign(*triangles, kSignSamples);
+    (*figures)["winding_number"] = {{"points", sign.samples}, {"contradictions", sign.contradictions}};
+    if (sign.contradictions > 0) {
+      (*figures)["winding_number"]["at"] = {sign.place.x(), sign.place.y(), sign.place.z()};
+    }
     if (facets) {
       (*figures)["kind"] = "facets";
-      return std::make_shared<TriangleSurface>(*prepared, network);
+      return triangles;
     }
     SmoothSurface smooth = make_smooth_surface(*prepared, network, {}, run);
     const SmoothReport& r = smooth.report;
@@ -94,25 +103,26 @@ void load_surface(const Input& input, const std::string& path, bool with_skeleto
     (*figures)["points"] = {{"all", r.points}, {"curved_triangles", r.curved}, {"facets", r.flat}};
     return std::move(smooth.surface);
   };
+  loaded.lumen->wall = [prepared](const ImplicitSurface& surface) { return points_on(prepared->surface, surface); };
 }
 
 void load_labelmap(const Input& input, const std::string& path, bool with_skeleton, const Run& run, Loaded& loaded) {
 #ifdef VASOHEX_HAS_VTK
-  LabelVolume volume = read_labelmap(path, input.labels);
+  const auto volume = std::make_shared<LabelVolume>(read_labelmap(path, input.labels));
   if (!input.units.empty()) {
-    volume.units = input.units;
+    volume->units = input.units;
   }
-  LabelSkeleton found = with_context(path, [&] { return extract_skeleton(volume, {}, run); });
+  LabelSkeleton found = with_context(path, [&] { return extract_skeleton(*volume, {}, run); });
   loaded.repairs.insert(loaded.repairs.end(), found.repairs.begin(), found.repairs.end());
   *loaded.figures = {{"file", path},
-                     {"voxels", std::count(volume.inside.begin(), volume.inside.end(), 1)},
+                     {"voxels", std::count(volume->inside.begin(), volume->inside.end(), 1)},
                      {"components", found.components},
                      {"tunnels", found.tunnels},
                      {"ends", found.ends.size()},
                      {"kind", "level set"}};
   if (with_skeleton) {
     loaded.skeleton = std::move(found.skeleton);
-    loaded.skeleton.units = volume.units;
+    loaded.skeleton.units = volume->units;
   }
   loaded.lumen.emplace();
   loaded.lumen->ends = found.ends;
@@ -120,6 +130,7 @@ void load_labelmap(const Input& input, const std::string& path, bool with_skelet
                               const Network& network) -> std::shared_ptr<const ImplicitSurface> {
     return make_level_set_surface(level_set, network);
   };
+  loaded.lumen->wall = [volume](const ImplicitSurface& surface) { return points_on(*volume, surface); };
 #else
   (void)input, (void)with_skeleton, (void)run, (void)loaded;
   needs_vtk(path);

@@ -9,6 +9,7 @@
 #include "input.h"
 #include "option_checks.h"
 #include "report.h"
+#include "vasohex/core/short_text.h"
 #include "vasohex/core/text_lines.h"
 #include "vasohex/failed_places.h"
 #include "vasohex/mesh/layer_heights.h"
@@ -167,6 +168,18 @@ void run_mesh(MeshCommand& c, Common& common) {
     j["volumes"] = {{{"name", mesh.volume}, {"id", mesh.surfaces.size() + 1}}};
     j["wall_residual_max"] = m.result.wall_residual_max;
     j["unconverged_projections"] = m.result.unconverged;
+    if (m.result.unconverged > 0) {
+      const Vec3& at = m.result.unconverged_place;
+      j["unconverged_at"] = {at.x(), at.y(), at.z()};
+    }
+    const RelaxedWall& relaxed = m.result.relaxed;
+    j["wall_relaxed"] = {{"nodes", relaxed.nodes}, {"max", relaxed.largest}};
+    if (relaxed.nodes > 0) {
+      j["wall_relaxed"]["at"] = {relaxed.place.x(), relaxed.place.y(), relaxed.place.z()};
+    }
+    if (loaded.lumen) {
+      j["reach"] = reach_json(m.reach);
+    }
     if (c.options.grading.layers) {
       j["layers"] = {{"first_kept", first_layer_kept(mesh, *m.surface, *c.options.grading.layers)},
                      {"shrunk_lines", m.result.shrunk_lines}};
@@ -196,6 +209,9 @@ void run_mesh(MeshCommand& c, Common& common) {
                     {"certify", certify_seconds},
                     {"write", write_seconds},
                     {"total", total.seconds()}};
+    if (loaded.lumen) {
+      j["seconds"]["reach"] = m.seconds["reach"];
+    }
     write_json(j, c.json);
   }
   if (!common.quiet) {
@@ -219,7 +235,19 @@ void run_mesh(MeshCommand& c, Common& common) {
           m.blocks.degree);
     }
     if (m.result.unconverged > 0) {
-      std::printf("  warning: %d wall nodes could not be projected onto the surface\n", m.result.unconverged);
+      std::printf("  warning: %d wall nodes could not be projected onto the surface, first at %s\n",
+                  m.result.unconverged, short_text(m.result.unconverged_place).c_str());
+    }
+    if (m.result.relaxed.nodes > 0) {
+      std::printf("  %d wall nodes stay off the surface so that elements do not fold, by up to %.3f radii, at %s\n",
+                  m.result.relaxed.nodes, m.result.relaxed.largest, short_text(m.result.relaxed.place).c_str());
+    }
+    std::printf("%s", reach_text(m.reach).c_str());
+    if (loaded.figures->contains("winding_number") && (*loaded.figures)["winding_number"]["contradictions"] > 0) {
+      const auto& at = (*loaded.figures)["winding_number"]["at"];
+      std::printf("  warning: the winding number contradicts the orientation of the lumen's wall, as at %s: sheets "
+                  "overlap or are turned\n",
+                  short_text(Vec3(at[0], at[1], at[2])).c_str());
     }
     if (m.result.shrunk_lines > 0) {
       std::printf("  warning: the layers do not fit on %d lines towards the wall and were made thinner there\n",

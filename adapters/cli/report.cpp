@@ -1,10 +1,12 @@
 #include "report.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <numeric>
 
 #include "vasohex/core/atomic_file.h"
+#include "vasohex/core/short_text.h"
 
 namespace vasohex::cli {
 namespace {
@@ -59,6 +61,34 @@ std::string quality_text(const QualityReport& r) {
       out += text("    %d  %.4f  (%.6g, %.6g, %.6g)\n", e.element + 1, e.scaled_jacobian, e.centre.x(), e.centre.y(),
                   e.centre.z());
     }
+  }
+  return out;
+}
+
+nlohmann::ordered_json reach_json(const WallReach& r) {
+  nlohmann::ordered_json json{{"points", r.points}, {"mean", r.mean}, {"p99", r.p99}, {"max", r.max}};
+  auto& places = json["unreached"] = nlohmann::ordered_json::array();
+  for (const WallReach::Place& p : r.unreached) {
+    places.push_back(
+        {{"at", {p.at.x(), p.at.y(), p.at.z()}}, {"distance", p.distance}, {"radii", p.radii}, {"share", p.share}});
+  }
+  return json;
+}
+
+std::string reach_text(const WallReach& r) {
+  if (r.points == 0) {
+    return "";
+  }
+  std::string out = text("  %-26s max %.3f   99%% %.3f  mean %.4f radii\n", "lumen to the mesh's wall", r.max, r.p99, r.mean);
+  constexpr std::size_t shown = 10;
+  if (!r.unreached.empty()) {
+    out += text("  not reached, further than %.2f radii from the mesh's wall: %zu place(s)", kReached, r.unreached.size());
+    out += r.unreached.size() > shown ? ", the worst " + std::to_string(shown) + ":\n" : ":\n";
+  }
+  for (std::size_t i = 0; i < std::min(shown, r.unreached.size()); ++i) {
+    const WallReach::Place& p = r.unreached[i];
+    out += text("    %s  %.4g, %.2f radii; %.2g %% of the wall\n", short_text(p.at).c_str(), p.distance, p.radii,
+                100 * p.share);
   }
   return out;
 }

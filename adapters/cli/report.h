@@ -17,6 +17,12 @@ void add_quality(nlohmann::ordered_json& json, const QualityReport& report, cons
 /// The same as a few lines for the terminal.
 std::string quality_text(const QualityReport& report);
 
+/// Distances of a lumen's wall to the mesh's, and the places that the mesh does not reach.
+nlohmann::ordered_json reach_json(const WallReach& reach);
+
+/// The same as a few lines for the terminal; empty if nothing was measured.
+std::string reach_text(const WallReach& reach);
+
 /// Components and independent loops of a network.
 struct NetworkCounts {
   int components = 0;

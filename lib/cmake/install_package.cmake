@@ -1,5 +1,5 @@
-# What find_package(vasohex CONFIG) finds after an installation. The Gmsh reader and the grids of deal.II have files of
-# their own, so that programs which do not ask for them need no Gmsh and no deal.II.
+# What find_package(vasohex CONFIG) finds after an installation. The readers through Gmsh and VTK and the grids of
+# deal.II have files of their own, so that programs which do not ask for them need none of these.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vasohex)
 
@@ -12,6 +12,13 @@ if(VASOHEX_GMSH)
   install(TARGETS vasohex_gmsh EXPORT vasohexGmshTargets)
   install(EXPORT vasohexGmshTargets NAMESPACE vasohex:: DESTINATION ${package_dir})
   install(FILES ${CMAKE_CURRENT_LIST_DIR}/FindGmshSdk.cmake DESTINATION ${package_dir})
+endif()
+if(TARGET vasohex_vtk_readers)
+  set_target_properties(vasohex_vtk_readers PROPERTIES EXPORT_NAME vtk_readers)
+  install(TARGETS vasohex_vtk_readers EXPORT vasohexVtkReadersTargets)
+  install(EXPORT vasohexVtkReadersTargets NAMESPACE vasohex:: DESTINATION ${package_dir})
+  install(FILES adapters/vtk/read_labelmap.h adapters/vtk/read_poly_surface.h
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/vasohex/adapters/vtk)
 endif()
 if(VASOHEX_HAS_DEALII)
   set_target_properties(vasohex_dealii PROPERTIES EXPORT_NAME dealii)

@@ -229,6 +229,9 @@ MeshPart mesh_part(const BlockFile& file, const Grading& asked, const MeshOption
   for (Vec3& p : mesh.nodes) {
     p = frame.outward(p);
   }
+  for (Vec3* place : {&part.result.relaxed.place, &part.result.unconverged_place}) {
+    *place = frame.outward(*place);
+  }
   std::vector<std::int64_t> ids;
   for (const int b : some.original) {
     for (std::int64_t id = first[b]; id < first[b + 1]; ++id) {

@@ -43,6 +43,9 @@ void mesh_network(const Network& network, const OwnFrame& frame, const ImplicitS
   for (Vec3& p : out.result.mesh.nodes) {
     p = frame.outward(p);
   }
+  for (Vec3* place : {&out.result.relaxed.place, &out.result.unconverged_place}) {
+    *place = frame.outward(*place);
+  }
   out.seconds["mesh"] = seconds_since(meshing);
 }
 
@@ -110,6 +113,11 @@ SkeletonMesh mesh_lumen(const Skeleton& skeleton, const Lumen& lumen, const Skel
   const MovedSurface surface(out.surface, frame.inverse());
   out.seconds["surface"] = seconds_since(start);
   mesh_network(in_frame(out.network, frame), frame, surface, options, run, out);
+  if (lumen.wall) {
+    const Clock::time_point measuring = Clock::now();
+    out.reach = measure_reach(out.result.mesh, lumen.wall(*out.surface), lumen.ends, *out.surface, run);
+    out.seconds["reach"] = seconds_since(measuring);
+  }
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "vasohex/blocks/build_blocks.h"
 #include "vasohex/grading/sheets.h"
 #include "vasohex/mesh/generate_mesh.h"
+#include "vasohex/mesh/wall_reach.h"
 #include "vasohex/skeleton/build_network.h"
 #include "vasohex/skeleton/diagnose.h"
 #include "vasohex/surface/convolution.h"
@@ -34,7 +35,8 @@ struct SkeletonMesh {
   BlockStructure blocks;
   Sheets sheets;
   MeshResult result;
-  std::map<std::string, double> seconds;  ///< wall time of `surface`, `blocks`, `mesh`
+  WallReach reach;  ///< of a given lumen's wall
+  std::map<std::string, double> seconds;  ///< wall time of `surface`, `blocks`, `mesh`; of a given lumen `reach`
 };
 
 /// Cleans and smooths the skeleton, wraps it in a convolution surface, builds and optimises blocks, grades and
@@ -46,6 +48,8 @@ struct Lumen {
   std::vector<SurfaceEnd> ends;
   /// Makes its surface; the network tells where the axes are and how wide the vessels are around them.
   std::function<std::shared_ptr<const ImplicitSurface>(const Network& network)> surface;
+  /// Points spread over its wall, given its surface; if there are such, SkeletonMesh::reach is measured by them.
+  std::function<std::vector<Vec3>(const ImplicitSurface& surface)> wall;
 };
 
 /// The same for a given lumen: the skeleton, led to the lumen's ends (tie_ends), says how the vessels run, and the

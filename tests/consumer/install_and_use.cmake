@@ -1,5 +1,5 @@
 # Installs a build, moves the installation, and builds and runs this folder's project against it.
-# cmake -DBUILD=.. -DSOURCE=.. -DWORK=.. -DCXX=.. -DFLAGS=.. -DTYPE=.. -DGMSH=ON|OFF -DDEALII=ON|OFF -P install_and_use.cmake
+# cmake -DBUILD=.. -DSOURCE=.. -DWORK=.. -DCXX=.. -DFLAGS=.. -DTYPE=.. -DGMSH=ON|OFF -DVTK=ON|OFF -DDEALII=ON|OFF -P install_and_use.cmake
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status)
   if(status)
@@ -41,6 +41,13 @@ if(GMSH)
   configure(build_gmsh -DCONSUMER_GMSH=ON)
   run(${CMAKE_COMMAND} --build ${WORK}/build_gmsh)
   run(${WORK}/build_gmsh/gmsh_consumer ${WORK}/tube.msh)
+endif()
+if(VTK)
+  configure(build_vtk -DCONSUMER_VTK=ON)
+  run(${CMAKE_COMMAND} --build ${WORK}/build_vtk)
+  file(WRITE ${WORK}/tetrahedron.vtk "# vtk DataFile Version 3.0\na tetrahedron\nASCII\nDATASET POLYDATA\n"
+    "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\nPOLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+  run(${WORK}/build_vtk/vtk_consumer ${WORK}/tetrahedron.vtk)
 endif()
 if(DEALII)
   configure(build_dealii -DCONSUMER_DEALII=ON)

@@ -7,6 +7,7 @@
 
 #include "vasohex/core/parallel.h"
 #include "vasohex/core/reference_hex.h"
+#include "vasohex/mesh/relax_wall.h"
 
 namespace vasohex {
 namespace {
@@ -227,8 +228,10 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
   struct Count {
     double residual = 0;
     int unconverged = 0, shrunk = 0;
+    Vec3 place = Vec3::Zero();  // of the first that did not converge
   };
   std::vector<Count> counts(topology.blocks.size());
+  std::vector<std::vector<WallShift>> shifts(topology.blocks.size());
   std::mutex progress;
   std::size_t done = 0;
   parallel_for(run, topology.blocks.size(), 4, [&](std::size_t begin, std::size_t end) {
@@ -309,9 +312,13 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             if (w.converged) {
               shift = w.point - start;
             } else {
-              ++counts[b].unconverged;
+              counts[b].place = counts[b].unconverged++ == 0 ? start : counts[b].place;
             }
             normal = w.normal;
+            const int at_wall = wall_at_end ? c[d] : 0;
+            if (owned[class12 + side(at_wall, c[d]) * place[d]]) {
+              shifts[b].push_back({ids[u * stride[d1] + v * stride[d2] + at_wall * stride[d]], shift});
+            }
           }
           const std::vector<double>* t = &table[d]->t;
           std::vector<double> own_t, own_values;
@@ -380,8 +387,15 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
       }
     }
   });
+  std::vector<WallShift> all_shifts;
+  for (std::vector<WallShift>& of_block : shifts) {
+    all_shifts.insert(all_shifts.end(), of_block.begin(), of_block.end());
+    of_block = {};
+  }
+  result.relaxed = relax_wall(mesh, numbering, wall_face, std::move(all_shifts), surface, run);
   for (const Count& k : counts) {
     result.wall_residual_max = std::max(result.wall_residual_max, k.residual);
+    result.unconverged_place = result.unconverged == 0 ? k.place : result.unconverged_place;
     result.unconverged += k.unconverged;
     result.shrunk_lines += k.shrunk;
   }

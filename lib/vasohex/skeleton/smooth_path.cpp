@@ -274,6 +274,13 @@ PathCurve curve_near_all(const PathPoints& path, const std::vector<double>& radi
       all.fixed.push_back(all.fixed.front());
     }
     LimitedBends limited = limit_bends(curve.spline, scale, all.fixed, path.closed);
+    if (!(limited.t.back() > limited.t.front())) {
+      // a small loop from a point back to it: the string of beads shrank to nothing
+      for (const std::size_t k : knots) {
+        curve.t.push_back(curve.spline.t[k]);
+      }
+      return curve;
+    }
     curve.spline = std::move(limited.spline);
     for (const std::size_t k : knots) {
       curve.t.push_back(limited.t[k]);

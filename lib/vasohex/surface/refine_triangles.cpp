@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "vasohex/surface/cut_needles.h"
 #include "vasohex/surface/half_edges.h"
 #include "vasohex/surface/point_jets.h"
 #include "vasohex/surface/triangle_surface.h"
@@ -64,6 +65,7 @@ class MiddleOfEdge {
 }  // namespace
 
 void refine_triangles(TriSurface& surface, const std::function<double(const Vec3&)>& radius) {
+  cut_needles(surface, radius);
   for (int round = 0; round < 6; ++round) {
     const std::vector<int> opposite = pair_half_edges(surface);
     const int count = static_cast<int>(opposite.size());

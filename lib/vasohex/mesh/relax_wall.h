@@ -1,0 +1,39 @@
+#pragma once
+/// \file Wall nodes that leave the surface where elements would fold on it.
+
+#include <vector>
+
+#include "vasohex/blocks/topology.h"
+#include "vasohex/core/run.h"
+#include "vasohex/mesh/hex_mesh.h"
+#include "vasohex/surface/implicit_surface.h"
+
+namespace vasohex {
+
+/// How far a node of the wall was moved from its block's wall onto the surface.
+struct WallShift {
+  int node = 0;
+  Vec3 shift = Vec3::Zero();
+};
+
+/// What was done.
+struct RelaxedWall {
+  int nodes = 0;              ///< of the wall, that left the surface
+  double largest = 0;         ///< how far, over the local radius
+  Vec3 place = Vec3::Zero();  ///< where that is
+};
+
+/// Elements that get scaled Jacobians below this where the wall is projected are relaxed.
+inline constexpr double kWeakOnWall = 0.5;
+
+/// Where the surface has creases, or features smaller than an element, shifts of neighbouring nodes differ so much that
+/// polynomials through them swing, and elements fold. There, and only there, the shifts within an element's face are
+/// led towards those between the face's corners (bilinear), as far as it takes to make the least scaled Jacobian of
+/// the elements behind the face kWeakOnWall, or as good as it gets. Corners of elements stay on the surface; meshes of
+/// order 1 stay as they are. Same bytes for any number of threads.
+/// \param wall_face [blocks] face that is wall, or -1
+/// \param shifts of all wall nodes
+RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
+                       std::vector<WallShift> shifts, const ImplicitSurface& surface, const Run& run);
+
+}  // namespace vasohex
