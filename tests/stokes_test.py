@@ -92,8 +92,8 @@ def same_mesh():
         for (code, message, j), what in zip(results, ("skeleton", "block file", "two ranks")):
             check(code == 0 and j, f"{what}: runs {message}")
             drops.append(j["ends"][0]["pressure"])
-        # the optimisation of order-3 blocks is for the mesh asked for: those of a file know no mesh
-        check(abs(drops[1] / drops[0] - 1) < 1e-2, f"skeleton and block file: pressures {drops[0]}, {drops[1]}")
+        # blocks below degree 4 are optimised for the mesh asked for, those of a file for none
+        check(abs(drops[1] / drops[0] - 1) < 1e-3, f"skeleton and block file: pressures {drops[0]}, {drops[1]}")
         check(abs(drops[2] / drops[0] - 1) < 1e-6, f"one rank and two: pressures {drops[0]}, {drops[2]}")
 
         with open(blocks) as f:
