@@ -6,6 +6,7 @@
 The section is the plane that the vessels spread least from. Needs Debian's python3-vtk9.
 """
 import argparse
+import json
 import os
 
 import numpy as np
@@ -71,7 +72,7 @@ def panel(title, data, array, high_quantile, place, args, camera_of):
     bar.UnconstrainedFontSizeOn()
     bar.SetWidth(0.14)
     bar.SetHeight(0.5)
-    bar.SetPosition(0.02, 0.45)
+    bar.SetPosition(0.06, 0.45)
     for text in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
         text.SetColor(0, 0, 0)
         text.ItalicOff()
@@ -111,7 +112,9 @@ def main():
     window.SetMultiSamples(8)
     first = panel("pressure, Pa", surface_of(volume), "pressure", 1, 0, args, None)
     window.AddRenderer(first)
-    window.AddRenderer(panel("velocity, /s", section_of(volume), "velocity", 1, 1, args, first))
+    with open(f"{args.folder}/flow.json") as f:
+        unit = json.load(f)["units"] or "unit"
+    window.AddRenderer(panel(f"velocity, {unit}/s", section_of(volume), "velocity", 1, 1, args, first))
     window.AddRenderer(panel("wall shear, Pa", surface_of(wall), "wall_shear_stress_magnitude", 0.99, 2, args, first))
     write_png(window, args.out)
 

@@ -130,11 +130,11 @@ std::vector<End> flow_ends(const HexMesh& mesh, const MeshInfo& info, const Boun
       }
     }
     if (!in || !out) {
-      const std::string what = components.size() == 1
-                                   ? "the mesh"
-                                   : "one of the " + std::to_string(components.size()) + " unconnected parts of the mesh";
-      fail(what + " has no " + (in ? "outlet, an end without a given flow" : "inlet with a flow") + "; its ends: " +
-           (names.empty() ? "none" : list(names)));
+      const std::string what = components.size() == 1 ? "the mesh"
+                                                      : "one of the " + std::to_string(components.size()) +
+                                                            " unconnected parts of the mesh";
+      fail(what + " has no " + (in ? "outlet, an end without a given flow" : "inlet with a flow") +
+           "; its ends: " + (names.empty() ? "none" : list(names)));
     }
   }
   return ends;

@@ -12,7 +12,8 @@ namespace vasohex::stokes {
 /// A coefficient per quadrature point of a Cells<float>: [batch * points + point]; empty: 1.
 using Coefficient = dealii::AlignedVector<Wide<float>>;
 
-/// -div(c grad u) for `components` functions of one space. Rows of constrained values give zero, columns are not read.
+/// -div(c grad u) for `components` functions of one space. Rows of constrained values give zero, columns are not
+/// read.
 template <int components>
 class Diffusion {
  public:
@@ -21,10 +22,9 @@ class Diffusion {
       : cells_(cells), use_(use), coefficient_(std::move(coefficient)) {}
 
   void vmult(Blocks<float>& out, const Blocks<float>& in) const {
-    using Range = std::pair<unsigned int, unsigned int>;
     out = 0;  // cell_loop would leave out rows that no cell writes to
     cells_.template cell_loop<Blocks<float>, Blocks<float>>(
-        [&](const Cells<float>&, Blocks<float>& y, const Blocks<float>& x, const Range& range) {
+        [&](const Cells<float>&, Blocks<float>& y, const Blocks<float>& x, const CellRange& range) {
           CellValues<components, float> u(cells_, use_);
           for (unsigned int cell = range.first; cell < range.second; ++cell) {
             u.reinit(cell);

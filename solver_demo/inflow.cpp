@@ -2,7 +2,6 @@
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_values.h>
-
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 #include <deal.II/lac/sparse_direct.h>
 #include <deal.II/lac/sparse_matrix.h>
@@ -25,15 +24,15 @@ struct FaceSystem {
 
   template <class Archive>
   void serialize(Archive& archive, unsigned int) {
-    archive & dofs & stiffness & load & on_wall;
+    archive& dofs& stiffness& load& on_wall;
   }
 };
 
 std::vector<FaceSystem> face_systems(const FlowProblem& problem, const Space& space, unsigned int boundary_id) {
   std::vector<FaceSystem> systems;
-  dealii::FEFaceValues<3> face(*problem.mapping, space.element, dealii::QGauss<2>(space.element.degree + 2),
-                               dealii::update_values | dealii::update_gradients | dealii::update_JxW_values |
-                                   dealii::update_normal_vectors);
+  dealii::FEFaceValues<3> face(
+      *problem.mapping, space.element, dealii::QGauss<2>(space.element.degree + 2),
+      dealii::update_values | dealii::update_gradients | dealii::update_JxW_values | dealii::update_normal_vectors);
   std::vector<Index> all(space.element.dofs_per_cell);
   for (const auto& cell : space.dofs.active_cell_iterators()) {
     for (unsigned int f = 0; cell->is_locally_owned() && f < 6; ++f) {
@@ -75,8 +74,8 @@ std::vector<FaceSystem> face_systems(const FlowProblem& problem, const Space& sp
 /// w at the nodes of one end, and its integral. Every rank solves the small system of all faces.
 std::pair<std::map<Index, double>, double> section_profile(const FlowProblem& problem, const Space& space,
                                                            unsigned int boundary_id) {
-  const auto systems = dealii::Utilities::MPI::all_gather(space.dofs.get_communicator(),
-                                                          face_systems(problem, space, boundary_id));
+  const auto systems =
+      dealii::Utilities::MPI::all_gather(space.dofs.get_communicator(), face_systems(problem, space, boundary_id));
   std::map<Index, double> profile;
   for (const auto& of_rank : systems) {
     for (const FaceSystem& s : of_rank) {
@@ -140,7 +139,8 @@ void set_inflow(const FlowProblem& problem, const Space& space, Blocks<double>& 
     }
     const auto [profile, integral] = section_profile(problem, space, end.boundary_id);
     if (!(integral > 0)) {
-      throw Error(ErrorCode::bad_input, "end " + end.name + ": no profile is possible, all its nodes are on the wall");
+      throw Error(ErrorCode::bad_input,
+                  "end " + end.name + ": no profile is possible, all its nodes are on the wall");
     }
     for (const auto& [dof, w] : profile) {
       if (space.dofs.locally_owned_dofs().is_element(dof)) {

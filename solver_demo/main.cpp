@@ -11,24 +11,30 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "boundary_conditions.h"
 #include "dealii/dealii_grid.h"
 #include "flow_figures.h"
+#include "input.h"
+#include "option_checks.h"
+#include "vasohex/block_file.h"
 #include "vasohex/core/atomic_file.h"
-#include "vasohex/core/error.h"
-#include "vasohex/skeleton/read_skeleton.h"
-#include "vasohex/vasohex.h"
+#include "vasohex/core/text_lines.h"
 #include "write_flow.h"
 
 namespace {
 
 using namespace vasohex;
+using cli::usage;
 
 struct Arguments {
-  std::string input, output, units;
+  cli::Input input;
+  std::string output;
   SkeletonMeshOptions mesh;
   int refine = 0;
   stokes::StokesOptions solver;
@@ -36,8 +42,6 @@ struct Arguments {
   std::vector<std::string> flows, resistances;
   double density = 1060;
 };
-
-[[noreturn]] void usage(const std::string& message) { throw Error(ErrorCode::bad_input, message); }
 
 /// NAME=NUMBER
 std::map<std::string, double> by_name(const std::string& option, const std::vector<std::string>& texts) {
@@ -61,10 +65,10 @@ std::map<std::string, double> by_name(const std::string& option, const std::vect
 Arguments read_arguments(CLI::App& app, int argc, char** argv) {
   Arguments a;
   std::optional<int> degree;
-  const CLI::Range at_least_1(1, 1000000, "whole number > 0");
   a.conditions.viscosity = .0035;
   a.mesh.mesh.order = 2;
-  app.add_option("INPUT", a.input, "Skeleton with radii, .swc or .json")->required();
+  a.input.add_to(app);
+  app.get_option("INPUT")->description(app.get_option("INPUT")->get_description() + ", or block file (.json)");
   app.add_option("-o,--output", a.output, "Folder for flow.vtu, wall.vtu and flow.json; made if it is not there")
       ->required();
   app.add_option("-p,--order", a.mesh.mesh.order, "Order of the elements' geometry")
@@ -73,21 +77,23 @@ Arguments read_arguments(CLI::App& app, int argc, char** argv) {
   app.add_option("-k,--degree", degree, "Degree of velocities; pressures have one less [the order, at least 2]")
       ->check(CLI::Range(2, 6));
   app.add_option("-n,--elements", a.mesh.grading.elements, "Elements per block edge")
-      ->check(at_least_1)
+      ->check(cli::whole_number(1))
       ->capture_default_str();
-  app.add_option("--radial", a.mesh.grading.radial, "Elements from the core to the wall")->check(at_least_1);
-  app.add_option("--axial", a.mesh.grading.axial, "Elements along each block of a vessel")->check(at_least_1);
+  app.add_option("--radial", a.mesh.grading.radial, "Elements from the core to the wall")
+      ->check(cli::whole_number(1));
+  app.add_option("--axial", a.mesh.grading.axial, "Elements along each block of a vessel")
+      ->check(cli::whole_number(1));
   app.add_option("--refine", a.refine, "Halve all elements so many times, in parallel")
       ->check(CLI::Range(0, 6))
       ->capture_default_str();
-  app.add_option("--units", a.units, "Length unit, if the input does not say it: um, mm, cm, m");
+  cli::Input::add_repair(app, a.mesh);
   app.add_option("--flow-rate", a.conditions.flow_rate,
                  "Into the only inlet, length unit^3 / s [1 Pa of wall shear stress]");
   app.add_option("--flow", a.flows, "NAME=Q: flow into one end, length unit^3 / s; for several inlets, once each");
   app.add_option("--resistance", a.resistances, "NAME=R: pressure over flow at one outlet, Pa s / length unit^3 [0]");
-  app.add_option("--viscosity", a.conditions.viscosity, "Pa s")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--viscosity", a.conditions.viscosity, "Pa s")->check(cli::positive_number())->capture_default_str();
   app.add_option("--density", a.density, "kg / m^3, for the Reynolds number alone")
-      ->check(CLI::PositiveNumber)
+      ->check(cli::positive_number())
       ->capture_default_str();
   app.add_option("--tolerance", a.solver.tolerance, "Of the residual, relative to the start")
       ->check(CLI::Range(1e-13, 1e-1))
@@ -104,22 +110,32 @@ Arguments read_arguments(CLI::App& app, int argc, char** argv) {
   return a;
 }
 
-HexMesh make_mesh(const Arguments& a, int threads) {
-  Skeleton skeleton = read_skeleton(a.input);
-  if (!a.units.empty()) {
-    if (length_unit(a.units) != a.units) {
-      usage("--units " + a.units + ": must be one of um, mm, cm, m");
-    }
-    skeleton.units = a.units;
+bool is_block_file(const std::string& path) {
+  if (lower_extension(path) != ".json") {
+    return false;
   }
-  Run run;
-  run.threads = threads;
-  return with_context(a.input, [&] { return mesh_skeleton(skeleton, a.mesh, run).result.mesh; });
+  std::ifstream in(path);
+  const nlohmann::json j = nlohmann::json::parse(in, nullptr, false);
+  return j.is_object() && j.contains("format") && j["format"].is_string() &&
+         j["format"].get<std::string>().starts_with("vasohex-blocks");
 }
 
-double metres(const std::string& unit) {
-  return unit == "um" ? 1e-6 : unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : 1;
+HexMesh make_mesh(const Arguments& a, int threads) {
+  Run run;
+  run.threads = threads;
+  if (is_block_file(a.input.path)) {
+    const cli::Input& i = a.input;
+    if (i.files().size() > 1 || !i.units.empty() || i.inlet || i.facets || !i.labels.empty() || a.mesh.repair) {
+      usage(i.path + " holds finished blocks: options of skeletons, surfaces and labelmaps do not go with it");
+    }
+    return with_context(a.input.path, [&] {
+      return mesh_blocks(read_block_file(a.input.path), a.mesh.grading, a.mesh.mesh, run).mesh;
+    });
+  }
+  return cli::mesh(a.input, cli::load(a.input, run), a.mesh, run).result.mesh;
 }
+
+double metres(const std::string& unit) { return unit == "um" ? 1e-6 : unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : 1; }
 
 /// Largest of one end, by mean velocity and diameter; none if the unit is not known.
 std::optional<double> reynolds(const Arguments& a, const std::vector<stokes::End>& ends,
@@ -135,16 +151,14 @@ std::optional<double> reynolds(const Arguments& a, const std::vector<stokes::End
   return most;
 }
 
-/// Of all ranks, GiB.
-double peak_memory() {
+/// Peak of each rank, GiB.
+std::vector<double> peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return dealii::Utilities::MPI::sum(usage.ru_maxrss / 1048576., MPI_COMM_WORLD);
+  return dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, usage.ru_maxrss / 1048576.);
 }
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void run(Arguments& a, bool talk) {
   const double start = now();
@@ -152,7 +166,7 @@ void run(Arguments& a, bool talk) {
   HexMesh mesh = make_mesh(a, ranks > 1 ? 1 : 0);
   const MeshInfo info = mesh_info(mesh);
   stokes::FlowProblem problem;
-  problem.ends = with_context(a.input, [&] { return stokes::flow_ends(mesh, info, a.conditions); });
+  problem.ends = with_context(a.input.path, [&] { return stokes::flow_ends(mesh, info, a.conditions); });
   problem.wall_id = 1;
   problem.viscosity = a.conditions.viscosity;
   const int order = mesh.order;
@@ -170,7 +184,7 @@ void run(Arguments& a, bool talk) {
   problem.mapping = &mapping;
   const double gridded = now();
   if (talk) {
-    std::printf("%s: %llu hexahedra of order %d; velocity Q%d, pressure Q%d, %u rank(s)\n", a.input.c_str(),
+    std::printf("%s: %llu hexahedra of order %d; velocity Q%d, pressure Q%d, %u rank(s)\n", a.input.path.c_str(),
                 static_cast<unsigned long long>(triangulation.n_global_active_cells()), order, a.solver.degree,
                 a.solver.degree - 1, ranks);
     std::fflush(stdout);
@@ -182,19 +196,22 @@ void run(Arguments& a, bool talk) {
   }
   const stokes::Flow flow = stokes::solve_stokes(problem, a.solver);
   if (!flow.converged) {
-    throw Error(ErrorCode::internal, "no convergence in " + std::to_string(flow.iterations) +
-                                         " iterations: the residual is " + std::to_string(flow.residual) +
-                                         " of that at the start; nothing is written");
+    char text[200];
+    std::snprintf(text, sizeof text, "no convergence in %d iterations: the residual is %.1e of that at the start; %s",
+                  flow.iterations, flow.residual, "nothing is written");
+    throw Error(ErrorCode::internal, text);
   }
   const double solved = now();
   const std::vector<stokes::EndFigures> figures = stokes::end_figures(problem, flow);
   const stokes::ShearFigures shear = stokes::shear_figures(problem, flow);
   const std::vector<std::string> files = stokes::write_flow(problem, flow, a.output);
-  const double memory = peak_memory();
+  const std::vector<double> memory = peak_memory();
+  const double setup_cpu = dealii::Utilities::MPI::sum(flow.setup_cpu_seconds, MPI_COMM_WORLD);
+  const double solve_cpu = dealii::Utilities::MPI::sum(flow.solve_cpu_seconds, MPI_COMM_WORLD);
   const std::optional<double> re = reynolds(a, problem.ends, figures, info.units);
 
   nlohmann::ordered_json j;
-  j["input"] = a.input;
+  j["input"] = a.input.path;
   j["units"] = info.units;
   j["elements"] = triangulation.n_global_active_cells();
   j["order"] = order;
@@ -213,13 +230,15 @@ void run(Arguments& a, bool talk) {
     const stokes::EndFigures& e = figures[i];
     sum += e.flow;
     in += std::max(0., -e.flow);
-    j["ends"].push_back({{"name", problem.ends[i].name}, {"area", e.area}, {"flow_out", e.flow}, {"pressure", e.pressure}});
+    j["ends"].push_back(
+        {{"name", problem.ends[i].name}, {"area", e.area}, {"flow_out", e.flow}, {"pressure", e.pressure}});
   }
   j["flow_imbalance"] = sum / in;
   j["wall_shear_stress"] = {{"area", shear.area}, {"mean", shear.mean}, {"rms", shear.rms}, {"max", shear.max}};
-  j["memory_gib"] = memory;
-  j["seconds"] = {{"mesh", meshed - start},         {"grid", gridded - meshed},   {"setup", flow.setup_seconds},
-                  {"solve", flow.solve_seconds},    {"write", now() - solved},    {"total", now() - start}};
+  j["memory_gib"] = memory;  // of each rank
+  j["seconds"] = {{"mesh", meshed - start},      {"grid", gridded - meshed}, {"setup", flow.setup_seconds},
+                  {"solve", flow.solve_seconds}, {"write", now() - solved},  {"total", now() - start}};
+  j["cpu_seconds"] = {{"setup", setup_cpu}, {"solve", solve_cpu}};  // of all ranks
   if (!talk) {
     return;
   }
@@ -237,8 +256,9 @@ void run(Arguments& a, bool talk) {
   }
   std::printf("  flow out - in: %.1e of the inflow\n", sum / in);
   std::printf("  wall shear stress: mean %.5g, max %.5g Pa\n", shear.mean, shear.max);
-  std::printf("  setup %.1f s, solution %.1f s, total %.1f s, %.2f GiB\n", flow.setup_seconds, flow.solve_seconds,
-              now() - start, memory);
+  std::printf("  setup %.1f s, solution %.1f s, total %.1f s; CPU %.1f and %.1f s; %.2f GiB\n", flow.setup_seconds,
+              flow.solve_seconds, now() - start, setup_cpu, solve_cpu,
+              std::accumulate(memory.begin(), memory.end(), 0.));
   for (const std::string& f : files) {
     std::printf("  written %s\n", f.c_str());
   }
@@ -249,8 +269,9 @@ void run(Arguments& a, bool talk) {
 int main(int argc, char** argv) {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const bool talk = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
-  CLI::App app{"Steady Stokes flow through a vascular network, on vasohex's curved hexahedra.\n"
-               "Exit status: 0 done, 1 internal error or no convergence, 2 bad input or usage."};
+  CLI::App app{
+      "Steady Stokes flow through a vascular network, on vasohex's curved hexahedra.\n"
+      "Exit status: 0 done, 1 internal error or no convergence, 2 bad input or usage."};
   const auto complain = [&](const std::string& text, int code) {
     if (talk) {
       std::fprintf(stderr, "vasohex_stokes: %s\n", text.c_str());

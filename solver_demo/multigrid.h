@@ -21,8 +21,8 @@ class Transfer {
     const int coarse_degree = cells.get_dof_handler(coarse).get_fe().degree;
     fine_size_ = fine_degree + 1;
     coarse_size_ = coarse_degree + 1;
-    const auto polynomials = dealii::Polynomials::generate_complete_Lagrange_basis(
-        dealii::QGaussLobatto<1>(coarse_size_).get_points());
+    const auto polynomials =
+        dealii::Polynomials::generate_complete_Lagrange_basis(dealii::QGaussLobatto<1>(coarse_size_).get_points());
     const dealii::QGaussLobatto<1> nodes(fine_size_);
     for (const dealii::Point<1>& node : nodes.get_points()) {
       for (const auto& polynomial : polynomials) {
@@ -73,10 +73,9 @@ class Transfer {
  private:
   template <class F>
   void loop(Blocks<float>& out, const Blocks<float>& in, F&& body) const {
-    using Range = std::pair<unsigned int, unsigned int>;
     out = 0;  // cell_loop would leave out rows that no cell writes to
     cells_.template cell_loop<Blocks<float>, Blocks<float>>(
-        [&](const Cells<float>&, Blocks<float>& y, const Blocks<float>& x, const Range& range) {
+        [&](const Cells<float>&, Blocks<float>& y, const Blocks<float>& x, const CellRange& range) {
           CellValues<components, float> fine(cells_, fine_use_), coarse(cells_, coarse_use_);
           for (unsigned int cell = range.first; cell < range.second; ++cell) {
             fine.reinit(cell);
@@ -136,7 +135,7 @@ class Transfer {
   unsigned int fine_use_, coarse_use_;
   int fine_size_, coarse_size_;  ///< nodes in a direction
   std::vector<float> matrix_;    ///< [fine_size_][coarse_size_]
-  Vector<float> weights_;  ///< 1 / number of cells that share the node
+  Vector<float> weights_;        ///< 1 / number of cells that share the node
   mutable Blocks<float> fine_;
 };
 
@@ -146,7 +145,7 @@ class Multigrid {
  public:
   struct Level {
     const Cells<float>* cells;
-    unsigned int use;  ///< of cells
+    unsigned int use;         ///< of cells
     unsigned int coarse_use;  ///< the same for the space of the next level; not read on the last one
     SpaceUse space;
     Coefficient coefficient;
@@ -164,7 +163,7 @@ class Multigrid {
       }
       if (l + 1 < levels.size()) {
         stage.smoother = std::make_unique<Chebyshev<Diffusion<components>>>(*stage.matrix, stage.matrix->diagonal(),
-                                                                           smoother_degree, 15);
+                                                                            smoother_degree, 15);
         stage.transfer = std::make_unique<Transfer<components>>(*from.cells, from.use, from.coarse_use);
         stage.matrix->reinit(stage.residual);
       }
@@ -177,6 +176,7 @@ class Multigrid {
     const dealii::DoFHandler<3>& dofs = levels.back().space.space->dofs;
     amg_x_.reinit(dofs.locally_owned_dofs(), dofs.get_communicator());
     amg_b_.reinit(amg_x_);
+    amg_r_.reinit(amg_x_);
   }
 
   void vmult(Blocks<float>& x, const Blocks<float>& b) const { cycle(0, x, b); }
@@ -195,6 +195,11 @@ class Multigrid {
       for (int c = 0; c < components; ++c) {
         amg_b_.copy_locally_owned_data_from(b.block(c));
         amg_.vmult(amg_x_, amg_b_);
+        // twice: once, the number of iterations grew with the mesh (45 for 36 on the aorta), and this costs little
+        matrix_.vmult(amg_r_, amg_x_);
+        amg_b_ -= amg_r_;
+        amg_.vmult(amg_r_, amg_b_);
+        amg_x_ += amg_r_;
         x.block(c).copy_locally_owned_data_from(amg_x_);
       }
       return;
@@ -212,7 +217,7 @@ class Multigrid {
   std::vector<Stage> stages_;
   dealii::TrilinosWrappers::SparseMatrix matrix_;  ///< read by amg_
   dealii::TrilinosWrappers::PreconditionAMG amg_;
-  mutable Vector<double> amg_x_, amg_b_;
+  mutable Vector<double> amg_x_, amg_b_, amg_r_;
 };
 
 }  // namespace vasohex::stokes

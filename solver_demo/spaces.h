@@ -53,6 +53,9 @@ struct SpaceUse {
   const dealii::AffineConstraints<double>* constraints;
 };
 
+/// Batches of cells, as cell_loop deals them out.
+using CellRange = std::pair<unsigned int, unsigned int>;
+
 /// Cell loops over several spaces, numbered as in `uses`, with so many Gauss points in each direction.
 template <class Number>
 std::unique_ptr<Cells<Number>> cell_loops(const FlowProblem& problem, const std::vector<SpaceUse>& uses, int points);

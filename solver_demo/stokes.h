@@ -13,7 +13,7 @@ namespace vasohex::stokes {
 
 struct StokesOptions {
   int degree = 2;           ///< k >= 2 of the velocity
-  double tolerance = 1e-8;  ///< of the residual, relative to the start
+  double tolerance = 1e-8;  ///< of the residual, relative to the start; flow in = flow out to 5 times that
   int max_iterations = 200;
   std::function<void(int iteration, double residual)> on_iteration;  ///< relative residual
 };
@@ -26,7 +26,7 @@ struct Flow {
   double residual = 1;  ///< relative
   bool converged = false;
   unsigned long long dofs = 0;
-  double setup_seconds = 0, solve_seconds = 0;
+  double setup_seconds = 0, solve_seconds = 0, setup_cpu_seconds = 0, solve_cpu_seconds = 0;  ///< CPU: of this rank
 };
 
 /// Solves on all ranks together. GMRES in single precision within iterative refinement in double precision, with a

@@ -5,7 +5,7 @@
 /// Debian's deal.II has VectorizedArray<double, 1> only. Its headers hold the wider types behind one macro, which also
 /// sets the default width. numbers.h, which fixes that default, is included first, by config.h; the macro is changed
 /// after it. So all default types stay those of the library, and the wide ones, which are named nowhere in it, are
-/// instantiated in wide_vectors.cpp.
+/// instantiated in wide_kernels.cpp and wide_loops.cpp.
 
 #include <deal.II/base/config.h>
 
