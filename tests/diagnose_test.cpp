@@ -180,8 +180,8 @@ TEST(Diagnose, Hairpin) {
 TEST(Diagnose, BendSharperThanItsRadius) {
   const auto bend = [](double bend_radius) {  // a quarter circle; build_network would soften it
     Network n;
-    n.nodes = {{Vec3(bend_radius, 0, 0), 1, 1, 0, false, "inlet"},
-               {Vec3(0, bend_radius, 0), 1, 1, 1, false, "outlet"}};
+    n.nodes = {{Vec3(bend_radius, 0, 0), 1, 1, 0, false, false, "inlet"},
+               {Vec3(0, bend_radius, 0), 1, 1, 1, false, false, "outlet"}};
     Branch b;
     b.nodes = {0, 1};
     for (int i = 0; i <= 40; ++i) {

@@ -46,7 +46,7 @@ Kind kind_of(const std::string& path) {
                   ".nrrd, .mha, .mhd or .vti");
 }
 
-[[noreturn]] void needs_vtk(const std::string& path) {
+[[noreturn, maybe_unused]] void needs_vtk(const std::string& path) {
   usage(path + ": this program was built without VTK, which reads " + lower_extension(path) + " files");
 }
 

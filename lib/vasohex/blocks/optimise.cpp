@@ -259,7 +259,7 @@ class Optimiser {
       }
     }
     // worth its time where blocks are fair: bad ones are given up, good ones good enough
-    for (int round = 0; round < 3 && solution.min_jacobian > 0.2 && solution.min_jacobian < 0.7; ++round) {
+    for (int round = 0; round < 3 && solution.min_jacobian > (patient ? 0.0 : 0.2) && solution.min_jacobian < 0.7; ++round) {
       refine();
       BlockSolution next = judge();
       const bool gains = next.min_jacobian > solution.min_jacobian + 0.01;
@@ -279,6 +279,7 @@ class Optimiser {
     blocks_.adopt_nodes(nodes);
     EnergyTerms terms;
     terms.tables = tables;
+    terms.added = blocks_.projection(tables, *mesh_tables(projection_nodes(), problem_.mesh));
     terms.guard = equispaced_tables(blocks_.nodes_1d(), 7);
     const Energy now = measure(terms);
     terms.power = 16;

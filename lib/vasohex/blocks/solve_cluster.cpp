@@ -15,6 +15,8 @@ namespace {
 /// three times as many.
 constexpr double kFairJacobian = 0.5;
 constexpr int kLongSearch = 3;
+/// Below this no arrangement is given up before its end.
+constexpr double kPoorJacobian = 0.4;
 
 /// Hubs and how the arms of each are assigned to its cube's faces.
 struct Arrangement {
@@ -49,8 +51,8 @@ void keep_best(std::vector<Arrangement>& all, std::size_t count) {
   all.resize(std::min(all.size(), count));
 }
 
-/// Arrangements of hub `h`, as one cube, a tree of cubes or one cube with a hub that is near, with the other hubs as they
-/// are; the most promising first, at least one.
+/// Arrangements of hub `h`, as one cube, a tree of cubes or one cube with a hub that is near, with the other hubs as
+/// they are; the most promising first, at least one.
 std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
                                       std::size_t count) {
   // with more branches there are more ways to go wrong
@@ -158,7 +160,8 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
     const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, kLongSearch * options.candidates);
     attempt_all(all);
     const int most = std::min({static_cast<int>(all.size()), options.candidates, 3});
-    for (int i = 0; i < most && !(best && best->solution.certified); ++i) {
+    for (int i = 0; i < most && !(best && best->solution.certified && best->solution.min_jacobian >= kPoorJacobian);
+         ++i) {
       attempt(all[i], true);
     }
   }
