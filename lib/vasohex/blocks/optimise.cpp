@@ -207,7 +207,7 @@ bool all_certified(const std::vector<Vec3>& nodes) {
 std::vector<double> projection_nodes() { return family_nodes(NodeFamily::gauss_lobatto, kProjectionDegree); }
 
 /// Per direction of a block, to see a mesh whose wall is projected: fewer miss folds where the wall bends sharply.
-constexpr int kMeshSamples = 13;
+constexpr int kMeshSamples = 16;
 
 /// Scaled Jacobian above which blocks gain no more by moving. [measured: .75 leaves junctions of three at .78]
 constexpr double kJacobianGoal = 0.85;
@@ -259,7 +259,8 @@ class Optimiser {
       }
     }
     // worth its time where blocks are fair: bad ones are given up, good ones good enough
-    for (int round = 0; round < 3 && solution.min_jacobian > (patient ? 0.0 : 0.2) && solution.min_jacobian < 0.7; ++round) {
+    for (int round = 0; round < 3 && solution.min_jacobian > (patient ? 0.0 : 0.2) && solution.min_jacobian < 0.7;
+         ++round) {
       refine();
       BlockSolution next = judge();
       const bool gains = next.min_jacobian > solution.min_jacobian + 0.01;

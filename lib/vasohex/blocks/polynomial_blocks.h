@@ -82,7 +82,7 @@ struct Energy {
 
 /// Between the wall nodes of blocks a mesh has nodes of its own on the surface: as seen by polynomials of this
 /// degree.
-inline constexpr int kProjectionDegree = 8;
+inline constexpr int kProjectionDegree = 12;
 
 /// Topology, nodes, wall: everything the energy needs. The problem and the topology must outlive it.
 class PolynomialBlocks {
