@@ -1,11 +1,13 @@
 #!/usr/bin/python3
-"""Meshes every case at every order and writes docs/quality.md.
+"""Meshes every case at every order and writes docs/quality.md; with --large, networks of hundreds of branches instead.
 
     docs/quality_table.py VASOHEX [--data FOLDER] [--referee SCRIPT] [--only TEXT] [-o docs/quality.md]
+    docs/quality_table.py VASOHEX --large [--limit SECONDS] [--data FOLDER] [--only TEXT] [-o docs/large_networks.md]
 
 VASOHEX is the program; FOLDER holds the real vessels (default: $VASOHEX_DATA; without it only meshes/ is run). SCRIPT is
 an independent checker of MSH files that prints `key: value` lines (default: $VASOHEX_REFEREE); its figures stand in the
-table wherever it is given, ours otherwise. What benchmarks/junction_survey has written between its markers stays.
+table wherever it is given, ours otherwise; large networks are not shown to it. Runs longer than SECONDS are stopped, and
+the table says so. What benchmarks/junction_survey has written between its markers stays.
 Needs nothing but Python.
 """
 import argparse
@@ -72,11 +74,14 @@ def referee_figures(script, path):
     return figures
 
 
-def run(program, referee, path, order, options):
+def run(program, referee, path, order, options, limit):
     with tempfile.TemporaryDirectory() as folder:
         mesh, stats = os.path.join(folder, "m.msh"), os.path.join(folder, "s.json")
-        done = subprocess.run([program, "mesh", path, "-o", mesh, "-p", str(order), "--json", stats, "-q", *options],
-                              capture_output=True, text=True)
+        try:
+            done = subprocess.run([program, "mesh", path, "-o", mesh, "-p", str(order), "--json", stats, "-q", *options],
+                                  capture_output=True, text=True, timeout=limit)
+        except subprocess.TimeoutExpired:
+            return {"exit": "none", "error": f"not finished in {limit} s"}
         row = {"exit": done.returncode, "error": done.stderr.strip()}
         if os.path.exists(stats):
             row.update(json.load(open(stats)))
@@ -120,8 +125,11 @@ def main():
     ap.add_argument("--data", default=os.environ.get("VASOHEX_DATA"))
     ap.add_argument("--referee", default=os.environ.get("VASOHEX_REFEREE"))
     ap.add_argument("--only", default="")
-    ap.add_argument("-o", "--output", default=os.path.join(HERE, "quality.md"))
+    ap.add_argument("--large", action="store_true")
+    ap.add_argument("--limit", type=int, default=600)
+    ap.add_argument("-o", "--output")
     args = ap.parse_args()
+    args.output = args.output or os.path.join(HERE, "large_networks.md" if args.large else "quality.md")
 
     def path(case):
         if case in OWN:
@@ -130,35 +138,35 @@ def main():
 
     head = ("| case | order | hexes | blocks | certified | linear min | linear 1 % | linear mean | order-p min | order-p mean | "
             "loops | wall residual / r | s | referee |\n|" + " --- |" * 14)
-    lines = ["# Quality of every case", "",
+    what = ("Two elements per block edge where not said otherwise; below the tables stands whatever is not certified." if
+            args.large else "Six elements per block edge. *First layer kept*: its height is within 10 % of what was asked for.")
+    lines = ["# Large networks" if args.large else "# Quality of every case", "",
              "Written by `docs/quality_table.py`. Scaled Jacobians: *linear* of the straight-sided hexahedra, minimum over the",
              "8 corners; *order-p* of the curved ones, minimum over (2p+1)^3 points. *Certified*: Bernstein bound of det J.",
              "*s*: wall seconds of the whole program on 2 cores, certificate included. *Referee*: an independent checker of the",
              "MSH file (conformity, tags, orientation, duplicates, certificate, genus = loops, planarity of the ends < 1e-6).",
-             "Six elements per block edge, two for large networks, which are not shown to the referee; below their tables stands",
-             "whatever is not certified. *First layer kept*: its height is within 10 % of what was asked for.", ""]
+             what, ""]
     begin = time.time()
-    for title, cases, orders, options, referee in (
-            ("Inputs of our own", OWN, (1, 2, 3, 5), [], args.referee),
-            ("Real vessels", REAL, (1, 2, 3), [], args.referee),
-            ("Boundary layers: 6 layers, the first 0.02 r, growth 1.3", LAYERED, (1, 2, 3), LAYERS, args.referee),
-            ("Large trees: two elements per block edge", TREES, (1, 2, 3), COARSE, None),
-            ("A whole brain, six elements per block edge", TREES[:1], (1,), [], None),
-            ("Large graphs with loops, dense and derived skeletons: two elements per block edge", GRAPHS, (1, 3), COARSE,
-             None)):
+    small = (("Inputs of our own", OWN, (1, 2, 3, 5), []), ("Real vessels", REAL, (1, 2, 3), []),
+             ("Boundary layers: 6 layers, the first 0.02 r, growth 1.3", LAYERED, (1, 2, 3), LAYERS))
+    large = (("Large trees", TREES, (1, 2, 3), COARSE), ("A whole brain, six elements per block edge", TREES[:1], (1,), []),
+             ("Large graphs with loops, dense and derived skeletons", GRAPHS, (1, 3), COARSE))
+    for title, cases, orders, options in large if args.large else small:
         lines += [f"## {title}", "", head]
         failed = []
         for case in cases:
             if path(case) is None or args.only not in case:
                 continue
             for order in orders:
-                row = run(args.program, referee, path(case), order, options)
+                row = run(args.program, None if args.large else args.referee, path(case), order, options,
+                          args.limit)
                 name = case.rsplit(".graph", 1)[0].rsplit(".", 1)[0] if case in OWN else case.rsplit(".graph", 1)[0]
                 lines.append(table_row(name, order, row))
                 failed += failures(name, order, row)
                 print(f"{time.time() - begin:6.0f} s  {lines[-1]}", flush=True)
         lines += ["", *failed, ""] if failed else [""]
-    lines += [survey_of(args.output), ""]
+    if not args.large:
+        lines += [survey_of(args.output), ""]
     with open(args.output, "w") as f:
         f.write("\n".join(lines))
 

@@ -48,7 +48,9 @@ struct BlockProblem {
 
 struct BlockSolution {
   std::vector<Vec3> nodes;   ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
-  double min_jacobian = -1;  ///< least scaled Jacobian: of the elements of problem.mesh where they differ from the blocks
+  /// Least scaled Jacobian of a mesh whose wall is projected: of the elements of problem.mesh where they differ from
+  /// the blocks. Never far above that of the blocks themselves.
+  double min_jacobian = -1;
   bool certified = false;    ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
 
   bool is_better_than(const BlockSolution& other) const {
@@ -57,7 +59,8 @@ struct BlockSolution {
 };
 
 /// The recipe of docs/design.md: untangle at degree 2, then degrees 2, 3, 4 with rising weight on the worst scaled
-/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; then certify.
+/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; weak ones once more with the
+/// wall projected as a mesh's will be; then certify.
 /// Deterministic.
 BlockSolution optimise_blocks(const BlockProblem& problem);
 
