@@ -16,9 +16,7 @@ Vec3 nearest_on_axis(const std::vector<Vec3>& axis, const Vec3& p) {
   Vec3 best = axis.front();
   double least = (p - best).squaredNorm();
   for (std::size_t i = 0; i + 1 < axis.size(); ++i) {
-    const Vec3 u = axis[i + 1] - axis[i];
-    const double t = std::clamp((p - axis[i]).dot(u) / std::max(u.squaredNorm(), 1e-300), 0.0, 1.0);
-    const Vec3 c = axis[i] + t * u;
+    const Vec3 c = axis[i] + nearest_on_segment(p, axis[i], axis[i + 1]) * (axis[i + 1] - axis[i]);
     if ((p - c).squaredNorm() < least) {
       least = (p - c).squaredNorm();
       best = c;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +13,12 @@ using Vec3 = Eigen::Vector3d;
 
 /// In [0, pi]; of any lengths > 0, exact for small angles too.
 inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+/// Where on the segment from a to b the point nearest to x is: 0 at a, 1 at b. 0 of a segment without length.
+inline double nearest_on_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  return std::clamp((x - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+}
 
 /// Axis-parallel box; empty until the first point is added.
 struct Box {

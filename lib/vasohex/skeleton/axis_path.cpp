@@ -129,7 +129,7 @@ double foot_of(const Path& path, const Vec3& x) {
   double foot = 0, near = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     const Vec3 &a = path[i].point, d = path[i + 1].point - a;
-    const double s = std::clamp((x - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+    const double s = nearest_on_segment(x, a, path[i + 1].point);
     if (const double distance = (a + s * d - x).norm(); distance < near) {
       foot = static_cast<double>(i) + s;
       near = distance;

@@ -289,10 +289,9 @@ double depth_in(const Network& network, const Branch& branch, const BranchEnd& o
       if (from > 2 * branch.length()) {
         continue;
       }
-      const Vec3 u = host.points[i + 1] - host.points[i];
-      const double t = std::clamp((p - host.points[i]).dot(u) / u.squaredNorm(), 0.0, 1.0);
-      innermost = std::min(innermost,
-                           (host.points[i] + t * u - p).norm() - ((1 - t) * host.radii[i] + t * host.radii[i + 1]));
+      const double t = nearest_on_segment(p, host.points[i], host.points[i + 1]);
+      const Vec3 nearest = host.points[i] + t * (host.points[i + 1] - host.points[i]);
+      innermost = std::min(innermost, (nearest - p).norm() - ((1 - t) * host.radii[i] + t * host.radii[i + 1]));
     }
     outermost = std::max(outermost, innermost);
   }

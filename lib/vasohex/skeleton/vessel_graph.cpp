@@ -424,8 +424,7 @@ void merge_near_junctions(Graph& graph) {
 }
 
 double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const double s = std::clamp((x - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-300), 0.0, 1.0);
-  return (a + s * (b - a) - x).norm();
+  return (a + nearest_on_segment(x, a, b) * (b - a) - x).norm();
 }
 
 }  // namespace

@@ -103,9 +103,7 @@ Bounds bounds_of(float centre_distance, double margin, double largest) {
 
 /// Distance of a point to a straight line between two others.
 double distance_to_line(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double t = d.squaredNorm() > 0 ? std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0;
-  return (x - a - t * d).norm();
+  return (x - a - nearest_on_segment(x, a, b) * (b - a)).norm();
 }
 
 /// Lowers the bounds such that tubes of `radius` along the axis are inside.
