@@ -336,6 +336,11 @@ TEST(ExtractSkeleton, DeadEndsAreKeptAndNoted) {
   };
   const Extraction thin = extracted(iso_surface(thorn, Vec3(-5.01, -1.52, -1.53), 0.1, {100, 72, 32}));
   EXPECT_EQ(count_ends(thin.skeleton), 2);
+  const Field cone = [&](const Vec3& x) {  // as far out, as wide as its parent where it starts
+    return std::min(line(x, Vec3::UnitX(), 1), x.y() < 0 ? 9.0 : std::hypot(x.x(), x.z()) - (1 - x.y() / 4.2));
+  };
+  const Extraction tapers = extracted(iso_surface(cone, Vec3(-5.01, -1.52, -1.53), 0.1, {100, 72, 32}));
+  EXPECT_EQ(count_ends(tapers.skeleton), 2);
 }
 
 TEST(ExtractSkeleton, SacsAreVessels) {

@@ -33,8 +33,8 @@ struct Extraction {
 /// - As many independent cycles as the closed surface has holes (its genus). A note tells if one was lost: under the
 ///   flow, holes of a radius below about .4 of the radius of the vessel around them close.
 /// - Dead ends without a SurfaceEnd stay if they reach out of the vessel they branch off by more than 1.5 of its radii
-///   (4 if they are thinner than .3 of it) and their own radius, and do not taper: bumps of the wall are no vessels.
-///   Longer ones than their own radius that do not stay, and those that do, are noted.
+///   (4 if their tip is thinner than .3 of it) and their own radius: bumps of the wall are no vessels. Longer ones
+///   than their own radius that do not stay, and those that do, are noted.
 ///
 /// Deterministic, the same for any number of threads. Commutes with scaling and rigid motion up to some hundredths of
 /// a radius: which of several equally short edges is collapsed first is a matter of rounding. Throws Error

@@ -68,10 +68,7 @@ std::vector<std::vector<int>> near_junctions(const VesselGraph& graph, const std
   DisjointSets sets(static_cast<int>(graph.nodes.size()));
   for (std::size_t v = 0; v < graph.vessels.size(); ++v) {
     const auto [a, b] = graph.vessels[v].nodes;
-    double length = 0;
-    for (std::size_t i = 1; i < paths[v].size(); ++i) {
-      length += (paths[v][i].point - paths[v][i - 1].point).norm();
-    }
+    const double length = length_along(paths[v], 0, static_cast<double>(paths[v].size() - 1));
     if (degree[a] > 2 && degree[b] > 2 &&
         length < kLinkLength * std::max(graph.nodes[a].width, graph.nodes[b].width)) {
       sets.join(a, b);

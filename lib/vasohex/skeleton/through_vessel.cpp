@@ -160,6 +160,9 @@ Arrival link_arm(const VesselGraph& graph, const Arrivals& arrivals, const Path&
 /// The nodes of a cluster that lie within the vessel that runs through, and all arms that leave those.
 void gather(const Cluster& cluster, const VesselGraph& graph, const Arrivals& arrivals, ThroughVessel& vessel,
             std::vector<Arrival>& arms) {
+  const auto is_in = [](const std::vector<int>& all, int i) {
+    return std::find(all.begin(), all.end(), i) != all.end();
+  };
   const auto is_inside = [&](int node) {
     double widest = 0;  // of the vessels that leave: a trunk shorter than that is none
     for (const Arrival& a : cluster.arms) {
@@ -174,9 +177,6 @@ void gather(const Cluster& cluster, const VesselGraph& graph, const Arrivals& ar
     for (const int v : cluster.inner) {
       const auto [a, b] = graph.vessels[v].nodes;
       const int other = a == vessel.nodes[i] ? b : b == vessel.nodes[i] ? a : -1;
-      const auto is_in = [](const std::vector<int>& all, int i) {
-        return std::find(all.begin(), all.end(), i) != all.end();
-      };
       if (other < 0 || is_in(vessel.inner, v)) {
         continue;
       }
@@ -190,7 +190,7 @@ void gather(const Cluster& cluster, const VesselGraph& graph, const Arrivals& ar
   }
   for (const Arrival& arm : cluster.arms) {
     const int node = graph.vessels[arm.vessel].nodes[arm.back];
-    if (std::find(vessel.nodes.begin(), vessel.nodes.end(), node) != vessel.nodes.end()) {
+    if (is_in(vessel.nodes, node)) {
       arms.push_back(arm);
     }
   }

@@ -35,10 +35,9 @@ struct VesselGraph {
 /// Splits the graph into vessels.
 /// - Every SurfaceEnd is a node with one vessel.
 /// - Dead ends stay if they reach out of the vessel they branch off by more than their own radius and 1.5 radii of that
-///   vessel, 4 if they are thinner than .3 of it, and hold .6 of the volume of a tube as wide as at their base: bumps
-///   taper. They are prolonged to a third of a radius before the wall. A note for each that stays, and for each that
-///   does not though it reaches further than its own radius. The longest are judged first, and all from the vessel
-///   they are on, not from forks of their own.
+///   vessel, 4 if their tip is thinner than .3 of it: bumps taper. They are prolonged to a third of a radius before the
+///   wall. A note for each that stays, and for each that does not though it reaches further than its own radius. The
+///   longest are judged first, and all from the vessel they are on, not from forks of their own.
 /// - Junctions nearer to each other, along the vessel between them, than 0.2 local widths become one.
 /// Adds to `notes` also pieces of the lumen without a vessel.
 VesselGraph split_into_vessels(const CurveGraph& graph, const SizedLumen& sized, const ClosedLumen& lumen,
