@@ -276,6 +276,40 @@ TEST(PrepareSurface, NeedlesAreFlipped) {
   expect_manifold(prepared);
 }
 
+/// A tube whose upper rim is pushed in: over a sixth of the way around, a flap as deep as `in` lies within the lumen.
+TriSurface torn_tube(double in) {
+  TriSurface s = TubeShape{}.triangles(96);
+  for (Vec3& p : s.points) {
+    const double angle = std::atan2(p.y(), p.x()), part = std::max(0.0, 1 - std::abs(angle) / 0.5);
+    if (p.z() > 7.7) {
+      const double r = 1 - in * std::sqrt(part), turn = angle + (angle < 0 ? -0.9 : 0.9) * part;
+      p = part > 0 ? Vec3(r * std::cos(turn), r * std::sin(turn), p.z()) : p;
+    }
+  }
+  return s;
+}
+
+TEST(PrepareSurface, CutsRaggedEndsBack) {
+  const TubeShape tube;
+  const PreparedSurface p = prepare_surface(torn_tube(0.6));
+  ASSERT_EQ(p.ends.size(), 2u);
+  ASSERT_EQ(p.repairs.size(), 1u) << listed(p);
+  EXPECT_TRUE(mentions(p, "ragged end at")) << listed(p);
+  expect_manifold(p);
+  EXPECT_NEAR(p.ends[0].centre.z(), 0, 1e-12);
+  EXPECT_GT(p.ends[1].centre.z(), 7);
+  EXPECT_LT(p.ends[1].centre.z(), 7.95);
+  EXPECT_GT(p.ends[1].normal.z(), 1 - 1e-9);
+  EXPECT_NEAR(p.ends[1].radius, 1, 0.1);
+  for (const int i : p.rims[1]) {
+    EXPECT_NEAR(p.surface.points[i].z(), p.ends[1].centre.z(), 1e-9);  // in one plane
+  }
+  for (const Vec3& x : p.surface.points) {
+    EXPECT_TRUE(x.z() > 7.5 || std::abs(tube.distance(x)) < 1e-12);
+    EXPECT_LE(x.z(), p.ends[1].centre.z() + 1e-9);
+  }
+}
+
 TEST(PrepareSurface, KeepsSeveralLumens) {
   TriSurface s = TubeShape{}.triangles(kAround);
   const int n = static_cast<int>(s.points.size());

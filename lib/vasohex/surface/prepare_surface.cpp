@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "vasohex/core/error.h"
+#include "vasohex/surface/ragged_ends.h"
 #include "vasohex/surface/repair_triangles.h"
 #include "vasohex/surface/surface_ends.h"
 
@@ -23,6 +24,7 @@ PreparedSurface prepare_surface(TriSurface surface) {
   }
   drop_caps(surface, result.repairs);
   close_holes(surface, result.repairs);
+  cut_ragged_ends(surface, result.repairs);
   drop_unused_points(surface);
   for (const auto& rim : open_rims(surface)) {
     result.ends.push_back(rim_end(surface, rim));

@@ -21,7 +21,7 @@ struct PreparedSurface {
 /// the largest component's area) and components inside others, closes holes in the wall, and drops flat caps. An
 /// opening counts as the end of a vessel if the wall meets its plane steeply, as a hole otherwise. A region counts as
 /// a cap if it is about plane (within 25 degrees and .15 of its radius; its rim within .05), round, and the wall
-/// leaves it steeply (45 degrees on average).
+/// leaves it steeply (45 degrees on average). Ends whose rim is torn or folded are cut back (ragged_ends.h).
 ///
 /// Throws Error (bad_input) with the place if an index is out of range, a coordinate is not finite, no triangle
 /// remains, or a component has one side only (a Moebius band).
