@@ -218,7 +218,17 @@ MeshPart mesh_part(const BlockFile& file, const Grading& asked, const MeshOption
   for (std::size_t b = 0; b < own.size(); ++b) {
     own[b] = owner_of(first[b], part.total, ranks) <= rank && owner_of(first[b + 1] - 1, part.total, ranks) >= rank;
   }
-  SomeBlocks some = choose(file.blocks, topology, sheets, with_neighbours(topology, with_neighbours(topology, own)));
+  // Around this rank's elements are those of others, and what is done to their walls depends on elements further away.
+  // The next ring of blocks makes sure that every node is made by the same block as in the whole mesh.
+  int fewest = kRelaxReach;
+  for (const Sheet& sheet : sheets.sheets) {
+    fewest = std::min(fewest, sheet.count);
+  }
+  std::vector<char> chosen = own;
+  for (int ring = 0; ring < kRelaxReach / fewest + 2; ++ring) {
+    chosen = with_neighbours(topology, chosen);
+  }
+  SomeBlocks some = choose(file.blocks, topology, sheets, chosen);
   move_inward(some.blocks, frame);
   if (!lumen) {
     lumen = make_surface(file, run);

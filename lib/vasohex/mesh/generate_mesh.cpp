@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -74,6 +75,15 @@ std::vector<double> node_parameters(const std::vector<double>& division, const s
     }
   }
   t.back() = 1;
+  return t;
+}
+
+/// The same parameters from the other end.
+std::vector<double> turned_around(std::vector<double> t) {
+  for (double& x : t) {
+    x = 1 - x;
+  }
+  std::reverse(t.begin(), t.end());
   return t;
 }
 
@@ -172,15 +182,14 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
     std::vector<double> t, values;
   };
   std::vector<std::array<Table, 2>> tables(sheets.sheets.size());
+  std::vector<std::array<std::shared_ptr<const std::vector<double>>, 2>> fades(sheets.sheets.size());
   for (std::size_t s = 0; s < sheets.sheets.size(); ++s) {
     std::vector<double> division = divide(sheets.sheets[s].law, sheets.sheets[s].count);
     for (int reversed = 0; reversed < 2; ++reversed) {
       tables[s][reversed].t = node_parameters(division, family);
       tables[s][reversed].values = lagrange_values(gauss, tables[s][reversed].t);
-      for (double& t : division) {
-        t = 1 - t;
-      }
-      std::reverse(division.begin(), division.end());
+      fades[s][reversed] = std::make_shared<const std::vector<double>>(tables[s][reversed].t);
+      division = turned_around(std::move(division));
     }
   }
   std::vector<int> intervals(topology.edges.size());
@@ -251,10 +260,15 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
       const std::array<int, 3> control_stride{1, n, n * n};
       std::array<const Table*, 3> table{};
       std::array<const Sheet*, 3> sheet{};
+      std::array<int, 2> towards_wall{};  // the sheet of the lines, and whether they run against it
+      const bool wall_at_end = wall % 2 == 1;
       for (int axis = 0; axis < 3; ++axis) {
         const auto [s, reversed] = sheets.of_block(topology, block, axis);
         sheet[axis] = &sheets.sheets[s];
         table[axis] = &tables[s][reversed];
+        if (axis == d) {
+          towards_wall = {s, wall_at_end == reversed};
+        }
       }
       // contract d1, then d2: lines[v][u][i] control points of the lines
       half.resize(static_cast<std::size_t>(n) * n * size[d1]);
@@ -281,7 +295,6 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
           lines[static_cast<std::size_t>(v) * size[d1] * n + ui] = x;
         }
       }
-      const bool wall_at_end = wall % 2 == 1;
       double radius = 0;
       if (wall >= 0) {
         const std::size_t middle = static_cast<std::size_t>(size[d2] / 2) * size[d1] + size[d1] / 2;
@@ -315,14 +328,11 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
               counts[b].place = counts[b].unconverged++ == 0 ? start : counts[b].place;
             }
             normal = w.normal;
-            const int at_wall = wall_at_end ? c[d] : 0;
-            if (owned[class12 + side(at_wall, c[d]) * place[d]]) {
-              shifts[b].push_back({ids[u * stride[d1] + v * stride[d2] + at_wall * stride[d]], shift});
-            }
           }
           const std::vector<double>* t = &table[d]->t;
           std::vector<double> own_t, own_values;
           const std::vector<double>* values = &table[d]->values;
+          std::shared_ptr<const std::vector<double>> fade = fades[towards_wall[0]][towards_wall[1]];
           if (wall >= 0 && sheet[d]->layers) {
             // layers are measured along each line, and across the wall where the line leans
             const WallLayers& layers = *sheet[d]->layers;
@@ -349,8 +359,12 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             own_values = lagrange_values(gauss, own_t);
             t = &own_t;
             values = &own_values;
+            fade = std::make_shared<const std::vector<double>>(wall_at_end ? own_t : turned_around(own_t));
           }
-          const int base = u * stride[d1] + v * stride[d2];
+          const int base = u * stride[d1] + v * stride[d2], at_wall = wall_at_end ? c[d] : 0;
+          if (wall >= 0 && owned[class12 + side(at_wall, c[d]) * place[d]]) {
+            shifts[b].push_back({ids[base + at_wall * stride[d]], shift, fade});
+          }
           for (int i = 0; i < size[d]; ++i) {
             if (!owned[class12 + side(i, c[d]) * place[d]]) {
               continue;

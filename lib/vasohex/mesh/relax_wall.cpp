@@ -12,53 +12,53 @@
 namespace vasohex {
 namespace {
 
-/// A node may be moved by the elements around it, and these by their neighbours: more passes would reach further than
-/// a part of a mesh knows (mesh_part.h).
-constexpr int kPasses = 2;
-constexpr int kSteps = 4;          // of relaxation, from none to all
-constexpr double kEven = 0.05;     // shifts that differ from bilinear ones by less than this part of an element's height
-constexpr double kWorthIt = 0.05;  // gain of the scaled Jacobian
+constexpr int kPasses = kRelaxReach;  // a node is moved by the elements around it, and these by their neighbours
+constexpr int kSteps = 4;             // of relaxation, from the shifts to bilinear ones, and from these to none
+constexpr double kEven = 0.05;        // shifts that differ by less than this part of an element's height
+constexpr double kWorthIt = 0.05;     // gain of the scaled Jacobian
 
+/// Shifts are relaxed in two stages: level 0 to 1 leads them to the bilinear ones, 1 to 2 these to nothing.
 class WallRelaxer {
  public:
-  WallRelaxer(HexMesh& mesh, const LatticeNumbering& numbering, std::vector<WallShift> shifts)
+  WallRelaxer(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
+              std::vector<WallShift> shifts)
       : mesh_(mesh),
         numbering_(numbering),
+        wall_face_(wall_face),
         p_(mesh.order),
         line_(mesh.order + 1),
         family_(family_nodes(mesh.family, mesh.order)),
         shifts_(std::move(shifts)) {
     std::sort(shifts_.begin(), shifts_.end(), [](const WallShift& a, const WallShift& b) { return a.node < b.node; });
-    away_.assign(shifts_.size(), Vec3::Zero());
-    part_.assign(shifts_.size(), 0);
+    level_.assign(shifts_.size(), 0);
+    bilinear_.assign(shifts_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    for_faces([&](const Patch& b, int u, int v) { add_bilinear(face_nodes(b, u, v)); });
   }
 
-  RelaxedWall run(const std::vector<int>& wall_face, const ImplicitSurface& surface, const Run& run) {
-    std::vector<char> changed(shifts_.size(), 0);
+  RelaxedWall run(const ImplicitSurface& surface, const Run& run) {
+    std::vector<char> changed(shifts_.size(), 1);
     for (int pass = 0; pass < kPasses; ++pass) {
-      std::vector<std::vector<Choice>> chosen(wall_face.size());
-      parallel_for(run, wall_face.size(), 4, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::vector<Choice>> chosen(wall_face_.size());
+      parallel_for(run, wall_face_.size(), 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b) {
-          if (wall_face[b] >= 0) {
-            chosen[b] = choose(static_cast<int>(b), wall_face[b], pass == 0 ? nullptr : &changed);
+          if (wall_face_[b] >= 0) {
+            chosen[b] = choose(static_cast<int>(b), changed);
           }
         }
       });
       changed.assign(shifts_.size(), 0);
       for (const std::vector<Choice>& of_block : chosen) {
         for (const Choice& c : of_block) {
-          for (std::size_t i = 0; i < c.nodes.size(); ++i) {
-            const int n = c.nodes[i];
-            if (c.part > part_[n]) {
-              away_[n] = part_[n] > 0 ? away_[n] : c.away[i];
-              part_[n] = c.part;
+          for (const int n : c.nodes) {
+            if (c.level > level_[n]) {
+              level_[n] = c.level;
               changed[n] = 1;
             }
           }
         }
       }
     }
-    return move(wall_face, surface);
+    return move(surface);
   }
 
  private:
@@ -73,13 +73,13 @@ class WallRelaxer {
   };
   /// How far the nodes of one face are to be relaxed.
   struct Choice {
-    double part = 0;
+    double level = 0;
     std::vector<int> nodes;  ///< indices of shifts
-    std::vector<Vec3> away;  ///< to the bilinear shifts
   };
 
-  Patch patch(int block, int face) const {
+  Patch patch(int block) const {
     Patch out;
+    const int face = wall_face_[block];
     const auto c = numbering_.intervals(block);
     out.size = {c[0] + 1, c[1] + 1, c[2] + 1};
     out.stride = {1, out.size[0], out.size[0] * out.size[1]};
@@ -91,69 +91,85 @@ class WallRelaxer {
     return out;
   }
 
-  int index(int node) const {
-    const auto at = std::lower_bound(shifts_.begin(), shifts_.end(), node,
-                                     [](const WallShift& s, int n) { return s.node < n; });
-    return static_cast<int>(at - shifts_.begin());
-  }
-
-  /// Parts of a wall node's move that the nodes of its line follow with, from the start of the block: by length.
-  std::vector<double> follow(const Patch& b, int u, int v) const {
-    std::vector<double> part(b.size[b.d], 0);
-    const int step = b.at_end ? 1 : -1, core = b.at_end ? 0 : b.size[b.d] - 1;
-    double length = 0;
-    for (int i = core; i != b.wall(); i += step) {
-      length += (mesh_.nodes[b.id(i + step, u, v)] - mesh_.nodes[b.id(i, u, v)]).norm();
-      part[i + step] = length;
-    }
-    for (double& l : part) {
-      l /= std::max(length, 1e-300);
-    }
-    return part;
-  }
-
-  std::vector<Choice> choose(int block, int face, const std::vector<char>* changed) const {
-    std::vector<Choice> chosen;
-    const Patch b = patch(block, face);
-    for (int v = 0; v + p_ < b.size[b.d2]; v += p_) {
-      for (int u = 0; u + p_ < b.size[b.d1]; u += p_) {
-        Choice c;
-        for (int at = 0; at < line_ * line_; ++at) {
-          c.nodes.push_back(index(b.id(b.wall(), u + at % line_, v + at / line_)));
-        }
-        c.away = to_bilinear(c.nodes);
-        if (changed ? std::none_of(c.nodes.begin(), c.nodes.end(), [&](int n) { return (*changed)[n] != 0; })
-                    : is_even(b, u, v, c)) {
-          continue;
-        }
-        c.part = part_for(b, u, v, c);
-        if (c.part > 0) {
-          chosen.push_back(std::move(c));
-        }
+  /// Calls visit(patch, u, v) with the first node of each element's face on the wall.
+  template <class Visit>
+  void for_faces(Visit&& visit) const {
+    for (int block = 0; block < static_cast<int>(wall_face_.size()); ++block) {
+      if (wall_face_[block] >= 0) {
+        for_faces_of(patch(block), visit);
       }
     }
-    return chosen;
+  }
+  template <class Visit>
+  void for_faces_of(const Patch& b, Visit&& visit) const {
+    for (int v = 0; v + p_ < b.size[b.d2]; v += p_) {
+      for (int u = 0; u + p_ < b.size[b.d1]; u += p_) {
+        visit(b, u, v);
+      }
+    }
   }
 
-  std::vector<Vec3> to_bilinear(const std::vector<int>& nodes) const {
-    std::vector<Vec3> away;
+  int index(int node) const {
+    const auto at =
+        std::lower_bound(shifts_.begin(), shifts_.end(), node, [](const WallShift& s, int n) { return s.node < n; });
+    return static_cast<int>(at - shifts_.begin());
+  }
+  std::vector<int> face_nodes(const Patch& b, int u, int v) const {
+    std::vector<int> nodes;
+    for (int at = 0; at < line_ * line_; ++at) {
+      nodes.push_back(index(b.id(b.wall(), u + at % line_, v + at / line_)));
+    }
+    return nodes;
+  }
+
+  /// Faces that share an edge agree on it: there it is a matter of the edge's ends. The first one says.
+  void add_bilinear(const std::vector<int>& nodes) {
     const auto shift = [&](int u, int v) -> const Vec3& { return shifts_[nodes[u + line_ * v]].shift; };
     for (int v = 0; v < line_; ++v) {
       for (int u = 0; u < line_; ++u) {
+        Vec3& out = bilinear_[nodes[u + line_ * v]];
+        if (out.allFinite()) {
+          continue;
+        }
         const double s = family_[u], t = family_[v];
-        const Vec3 between = (1 - t) * ((1 - s) * shift(0, 0) + s * shift(p_, 0)) +
-                             t * ((1 - s) * shift(0, p_) + s * shift(p_, p_));
         const bool corner = (u == 0 || u == p_) && (v == 0 || v == p_);
-        away.push_back(corner ? Vec3(Vec3::Zero()) : Vec3(between - shift(u, v)));
+        out = corner ? shift(u, v)
+                     : Vec3((1 - t) * ((1 - s) * shift(0, 0) + s * shift(p_, 0)) +
+                            t * ((1 - s) * shift(0, p_) + s * shift(p_, p_)));
       }
     }
-    return away;
   }
 
-  bool is_even(const Patch& b, int u, int v, const Choice& c) const {
+  /// What is added to a wall node.
+  Vec3 move_of(int n, double level) const {
+    const Vec3 &shift = shifts_[n].shift, &bilinear = bilinear_[n];
+    return level <= 1 ? Vec3(level * (bilinear - shift)) : Vec3((2 - level) * bilinear - shift);
+  }
+
+  /// Part of a wall node's move that node i of its line follows with.
+  double follow(const Patch& b, int n, int i) const { return (*shifts_[n].fade)[b.at_end ? i : b.size[b.d] - 1 - i]; }
+
+  std::vector<Choice> choose(int block, const std::vector<char>& changed) const {
+    std::vector<Choice> chosen;
+    for_faces_of(patch(block), [&](const Patch& b, int u, int v) {
+      Choice c{0, face_nodes(b, u, v)};
+      if (std::any_of(c.nodes.begin(), c.nodes.end(), [&](int n) { return changed[n] != 0; }) &&
+          !is_even(b, u, v, c.nodes)) {
+        c.level = level_for(b, u, v, c.nodes);
+        if (c.level > 0) {
+          chosen.push_back(std::move(c));
+        }
+      }
+    });
+    return chosen;
+  }
+
+  /// The nodes of a face are moved alike: its elements keep their shape.
+  bool is_even(const Patch& b, int u, int v, const std::vector<int>& nodes) const {
     double largest = 0, height2 = std::numeric_limits<double>::infinity();
-    for (const Vec3& a : c.away) {
-      largest = std::max(largest, a.squaredNorm());
+    const auto moved = [&](int n) -> Vec3 { return shifts_[n].shift + move_of(n, level_[n]); };
+    for (const int n : nodes) {
+      largest = std::max(largest, (moved(n) - moved(nodes[0])).squaredNorm());
     }
     const int below = b.at_end ? b.wall() - p_ : p_;
     for (const int dv : {0, p_}) {
@@ -165,77 +181,108 @@ class WallRelaxer {
     return largest < kEven * kEven * height2;
   }
 
-  /// The least part that makes the elements behind the face good; 0 where nothing is won.
-  double part_for(const Patch& b, int u, int v, const Choice& c) const {
-    // the column of elements, once for each part; axes as in the block
-    std::array<int, 3> size{line_, line_, line_}, stride{};
-    size[b.d] = b.size[b.d];
-    stride = {1, size[0], size[0] * size[1]};
-    const int per_copy = size[0] * size[1] * size[2], layers = (b.size[b.d] - 1) / p_;
-    std::vector<Vec3> nodes(static_cast<std::size_t>(kSteps + 1) * per_copy);
-    for (int at = 0; at < line_ * line_; ++at) {
-      const int du = at % line_, dv = at / line_;
-      const std::vector<double> along = follow(b, u + du, v + dv);
-      for (int i = 0; i < size[b.d]; ++i) {
-        const Vec3& x = mesh_.nodes[b.id(i, u + du, v + dv)];
-        for (int step = 0; step <= kSteps; ++step) {
-          const double part = std::max(part_[c.nodes[at]], static_cast<double>(step) / kSteps);
-          nodes[static_cast<std::size_t>(step) * per_copy + i * stride[b.d] + du * stride[b.d1] + dv * stride[b.d2]] =
-              x + along[i] * part * c.away[at];
+  /// The least level that makes the elements behind the face good; 0 where nothing is won.
+  double level_for(const Patch& b, int u, int v, const std::vector<int>& nodes) const {
+    const Column column = column_of(b, u, v, nodes);
+    const Quality before = quality(column, 0);
+    double level = 0, best = before.curved;
+    if (before.curved < kWeakOnWall && p_ > 1) {
+      for (int step = 1; step <= kSteps && best < kWeakOnWall; ++step) {
+        const double at = static_cast<double>(step) / kSteps, now = quality(column, at).curved;
+        if (now >= std::min(kWeakOnWall, best + kWorthIt)) {
+          level = at;
+          best = now;
         }
       }
     }
-    std::vector<int> elements;
-    for (int step = 0; step <= kSteps; ++step) {
-      for (int layer = 0; layer < layers; ++layer) {
-        for (int at = 0; at < line_ * line_ * line_; ++at) {
-          std::array<int, 3> ijk{at % line_, at / line_ % line_, at / line_ / line_};
-          ijk[b.d] += layer * p_;
-          elements.push_back(step * per_copy + ijk[0] + stride[1] * ijk[1] + stride[2] * ijk[2]);
-        }
+    Quality now = level > 0 ? quality(column, level) : before;
+    for (int step = 1; step <= kSteps && now.least() < kFoldedOnWall; ++step) {
+      const double at = 1 + static_cast<double>(step) / kSteps;
+      const Quality then = quality(column, at);
+      if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt)) {
+        level = at;
+        now = then;
       }
+    }
+    return level;
+  }
+
+  /// The elements between a face on the wall and the core; axes as in the block.
+  struct Column {
+    std::vector<Vec3> nodes;
+    std::vector<double> follow;  ///< [nodes]
+    std::vector<int> wall;       ///< [nodes] index of the shift of its line
+    std::vector<int> elements;
+  };
+
+  Column column_of(const Patch& b, int u, int v, const std::vector<int>& nodes) const {
+    std::array<int, 3> size{line_, line_, line_};
+    size[b.d] = b.size[b.d];
+    const std::array<int, 3> stride{1, size[0], size[0] * size[1]};
+    Column column;
+    const std::size_t count = static_cast<std::size_t>(size[0]) * size[1] * size[2];
+    column.nodes.resize(count);
+    column.follow.resize(count);
+    column.wall.resize(count);
+    for (int at = 0; at < line_ * line_; ++at) {
+      const int du = at % line_, dv = at / line_;
+      for (int i = 0; i < size[b.d]; ++i) {
+        const int k = i * stride[b.d] + du * stride[b.d1] + dv * stride[b.d2];
+        column.nodes[k] = mesh_.nodes[b.id(i, u + du, v + dv)];
+        column.follow[k] = follow(b, nodes[at], i);
+        column.wall[k] = nodes[at];
+      }
+    }
+    for (int layer = 0; layer + p_ < size[b.d]; layer += p_) {
+      for (int at = 0; at < line_ * line_ * line_; ++at) {
+        std::array<int, 3> ijk{at % line_, at / line_ % line_, at / line_ / line_};
+        ijk[b.d] += layer;
+        column.elements.push_back(ijk[0] + stride[1] * ijk[1] + stride[2] * ijk[2]);
+      }
+    }
+    return column;
+  }
+
+  struct Quality {
+    double curved = 1, straight = 1;
+    double least() const { return std::min(curved, straight); }
+  };
+
+  /// Of the worst element of a column whose wall nodes are at least at a level.
+  Quality quality(const Column& column, double level) const {
+    std::vector<Vec3> nodes = column.nodes;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const int n = column.wall[k];
+      nodes[k] += column.follow[k] * move_of(n, std::max(level, level_[n]));
     }
     Run serial;
     serial.threads = 1;
-    const std::vector<double> quality = scaled_jacobian(p_, mesh_.family, nodes, elements, serial);
-    std::array<double, kSteps + 1> least{};
-    for (int step = 0; step <= kSteps; ++step) {
-      const auto first = quality.begin() + static_cast<std::ptrdiff_t>(step) * layers;
-      least[step] = *std::min_element(first, first + layers);
-    }
-    const double best = *std::max_element(least.begin(), least.end());
-    if (least[0] >= kWeakOnWall || best < least[0] + kWorthIt) {
-      return 0;
-    }
-    int step = 0;
-    while (least[step] < std::min(kWeakOnWall, best)) {
-      ++step;
-    }
-    return static_cast<double>(step) / kSteps;
+    const auto least = [](const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); };
+    return {least(scaled_jacobian(p_, mesh_.family, nodes, column.elements, serial)),
+            least(scaled_jacobian_linear(p_, nodes, column.elements, serial))};
   }
 
-  RelaxedWall move(const std::vector<int>& wall_face, const ImplicitSurface& surface) {
+  RelaxedWall move(const ImplicitSurface& surface) {
     RelaxedWall result;
     std::vector<char> done(shifts_.size(), 0);
-    if (std::none_of(part_.begin(), part_.end(), [](double part) { return part > 0; })) {
+    if (std::none_of(level_.begin(), level_.end(), [](double level) { return level > 0; })) {
       return result;
     }
-    for (std::size_t block = 0; block < wall_face.size(); ++block) {
-      if (wall_face[block] < 0) {
+    for (std::size_t block = 0; block < wall_face_.size(); ++block) {
+      if (wall_face_[block] < 0) {
         continue;
       }
-      const Patch b = patch(static_cast<int>(block), wall_face[block]);
+      const Patch b = patch(static_cast<int>(block));
       for (int v = 0; v < b.size[b.d2]; ++v) {
         for (int u = 0; u < b.size[b.d1]; ++u) {
           const int n = index(b.id(b.wall(), u, v));
-          if (part_[n] == 0 || done[n]) {
+          const Vec3 by = move_of(n, level_[n]);
+          if (by.isZero(0) || done[n]) {
             continue;
           }
           done[n] = 1;
-          const Vec3 by = part_[n] * away_[n];
-          const std::vector<double> along = follow(b, u, v);
           for (int i = 0; i < b.size[b.d]; ++i) {
-            mesh_.nodes[b.id(i, u, v)] += along[i] * by;
+            mesh_.nodes[b.id(i, u, v)] += follow(b, n, i) * by;
           }
           ++result.nodes;
           const Vec3& at = mesh_.nodes[b.id(b.wall(), u, v)];
@@ -251,18 +298,19 @@ class WallRelaxer {
 
   HexMesh& mesh_;
   const LatticeNumbering& numbering_;
+  const std::vector<int>& wall_face_;
   int p_, line_;
   std::vector<double> family_;
   std::vector<WallShift> shifts_;
-  std::vector<Vec3> away_;    ///< [shifts]
-  std::vector<double> part_;  ///< [shifts] of `away` that is gone
+  std::vector<Vec3> bilinear_;  ///< [shifts] between those of the corners of their faces
+  std::vector<double> level_;   ///< [shifts]
 };
 
 }  // namespace
 
 RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
                        std::vector<WallShift> shifts, const ImplicitSurface& surface, const Run& run) {
-  return mesh.order > 1 ? WallRelaxer(mesh, numbering, std::move(shifts)).run(wall_face, surface, run) : RelaxedWall{};
+  return WallRelaxer(mesh, numbering, wall_face, std::move(shifts)).run(surface, run);
 }
 
 }  // namespace vasohex

@@ -1,6 +1,7 @@
 #pragma once
 /// \file Wall nodes that leave the surface where elements would fold on it.
 
+#include <memory>
 #include <vector>
 
 #include "vasohex/blocks/topology.h"
@@ -14,6 +15,7 @@ namespace vasohex {
 struct WallShift {
   int node = 0;
   Vec3 shift = Vec3::Zero();
+  std::shared_ptr<const std::vector<double>> fade;  ///< parts of it that the nodes of its line got, core to wall
 };
 
 /// What was done.
@@ -23,14 +25,20 @@ struct RelaxedWall {
   Vec3 place = Vec3::Zero();  ///< where that is
 };
 
-/// Elements that get scaled Jacobians below this where the wall is projected are relaxed.
+/// How many elements away, at most, what is done to a wall node depends on.
+inline constexpr int kRelaxReach = 5;
+
+/// Elements that get scaled Jacobians below this where the wall is projected have their shifts made bilinear.
 inline constexpr double kWeakOnWall = 0.5;
+/// Those that stay below this, curved or straight-sided, are led back to their blocks' wall.
+inline constexpr double kFoldedOnWall = 0.25;
 
 /// Where the surface has creases, or features smaller than an element, shifts of neighbouring nodes differ so much that
 /// polynomials through them swing, and elements fold. There, and only there, the shifts within an element's face are
 /// led towards those between the face's corners (bilinear), as far as it takes to make the least scaled Jacobian of
-/// the elements behind the face kWeakOnWall, or as good as it gets. Corners of elements stay on the surface; meshes of
-/// order 1 stay as they are. Same bytes for any number of threads.
+/// the elements behind the face kWeakOnWall, or as good as it gets; corners of elements stay on the surface. Where that
+/// leaves it below kFoldedOnWall, since the corners themselves were shifted too differently, all shifts of the face fade
+/// to nothing, again as far as it takes: the blocks are valid on their own. Same bytes for any number of threads.
 /// \param wall_face [blocks] face that is wall, or -1
 /// \param shifts of all wall nodes
 RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
