@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -42,15 +43,20 @@ kernel::DistortionOutput distortion_of(const std::vector<Vec3>& nodes, int degre
   return kernel::distortion(in, nullptr);
 }
 
-/// The least scaled Jacobian at samples of blocks, and what is allowed there.
-double least_at(const std::vector<Vec3>& nodes, const Samples& samples) {
+/// The least scaled Jacobian at samples of blocks, each with its allowance.
+double least_at(const std::vector<Vec3>& nodes, const std::vector<Samples>& all) {
   // scaled Jacobians do not depend on the scale, but the kernel's guard against zero lengths does
   std::vector<double> inverse_length;
   for (std::size_t first = 0; first < nodes.size(); first += kBlockNodes) {
     const double size = (nodes[first + kBlockNodes - 1] - nodes[first]).norm();
     inverse_length.insert(inverse_length.end(), 3, size > 0 ? 1 / size : 1.0);
   }
-  return distortion_of(nodes, kBlockDegree, samples, inverse_length, 1e-3).min_jacobian + samples.allowance;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Samples& samples : all) {
+    least = std::min(
+        least, distortion_of(nodes, kBlockDegree, samples, inverse_length, 1e-3).min_jacobian + samples.allowance);
+  }
+  return least;
 }
 
 std::vector<double> block_nodes_1d() { return family_nodes(NodeFamily::gauss_lobatto, kBlockDegree); }
@@ -68,6 +74,16 @@ bool all_certified(const std::vector<Vec3>& nodes) {
 
 /// Per direction of a block, to see a mesh whose wall is projected: fewer miss folds where the wall bends sharply.
 constexpr int kMeshSamples = 16;
+
+/// So many are enough to know that blocks are good: where they see kLooksGood, kMeshSamples see .012 less at most.
+/// [measured on 231 results for junctions of 3 to 8 branches]
+constexpr int kFewSamples = 8;
+constexpr double kLooksGood = 0.75;
+
+/// Solvers that take elements with straight sides, and visualisation, use the corners alone. With nothing to hold
+/// them, these elements lose what the curved ones gain.
+constexpr double kStraightAllowance = 0.1;
+constexpr int kStraightElements = 4;  ///< of a block edge, where the mesh has more or is not known
 
 /// How much less than the scaled Jacobian of a coarse mesh that of its blocks may be.
 constexpr double kGuardAllowance = 0.4;
@@ -143,13 +159,14 @@ class Optimiser {
   BlockSolution fit_to_mesh(const BlockSolution& start) {
     adopt(start.nodes);
     EnergyTerms terms;
-    terms.samples = {mesh_samples(blocks_.wall_shifts()), blocks_alone(7, kGuardAllowance)};
+    terms.samples = mesh_samples(blocks_.wall_shifts(), kMeshSamples);
+    terms.samples.push_back(blocks_alone(7, kGuardAllowance));
     const Energy now = measure(terms);
     terms.power = 16;
     terms.shape_weight = 0.01;
     terms.jacobian_weight = 1;
     terms.jacobian_goal = std::max(now.min_jacobian + 0.1, -0.5);
-    minimise_here(terms, 40, 3e-4, 8);
+    minimise_here(terms, 120, 3e-4, 24);
     return judge();
   }
 
@@ -186,11 +203,20 @@ class Optimiser {
     return terms;
   }
 
-  /// The elements of problem.mesh, or as many samples of a mesh as good as its blocks.
-  Samples mesh_samples(const std::vector<Vec3>& shifts) const {
-    return blocks_.projected(shifts, [&](const std::vector<double>& nodes) {
-      return mesh_tables(nodes, problem_.mesh).value_or(equispaced_tables(nodes, kMeshSamples));
-    });
+  /// Of a mesh whose wall is shifted: the elements of problem.mesh, or where these are as good as the blocks
+  /// `samples` per direction; and its elements with straight sides, where those are others.
+  std::vector<Samples> mesh_samples(const std::vector<Vec3>& shifts, int samples) const {
+    const MeshDivision& mesh = problem_.mesh;
+    std::vector<Samples> all{blocks_.projected(shifts, [&](const std::vector<double>& nodes) {
+      return mesh_tables(nodes, mesh).value_or(equispaced_tables(nodes, samples));
+    })};
+    if (mesh.order != 1) {
+      const MeshDivision straight{1, mesh.order > 0 ? std::min(mesh.elements, kStraightElements) : kStraightElements};
+      all.push_back(
+          blocks_.projected(shifts, [&](const std::vector<double>& nodes) { return *mesh_tables(nodes, straight); }));
+      all.back().allowance = kStraightAllowance;
+    }
+    return all;
   }
 
   /// By the mesh that will be made of the blocks, its wall on the surface; and by the blocks, which may lean on that
@@ -200,7 +226,11 @@ class Optimiser {
     BlockSolution s;
     s.nodes = blocks_.block_nodes();
     const double of_blocks = least_jacobian(s.nodes);
-    const double of_mesh = least_at(s.nodes, mesh_samples(blocks_.wall_shifts()));
+    const std::vector<Vec3> shifts = blocks_.wall_shifts();
+    double of_mesh = least_at(s.nodes, mesh_samples(shifts, kFewSamples));
+    if (of_mesh < kLooksGood) {
+      of_mesh = least_at(s.nodes, mesh_samples(shifts, kMeshSamples));
+    }
     s.min_jacobian = std::min(of_mesh, of_blocks + (is_coarse(problem_.mesh) ? kGuardAllowance : 0.1));
     s.certified = of_blocks > 0 && all_certified(s.nodes);
     return s;
@@ -211,7 +241,7 @@ class Optimiser {
     constexpr double kShapeWeight = 0.08;  // with less, edges whose parameter almost stops fold at order 2
     constexpr double kWallWeights = 16;    // the less the wall is projected, the longer the projection stays as it is
     EnergyTerms terms;
-    terms.samples = {mesh_samples(blocks_.wall_shifts())};
+    terms.samples = mesh_samples(blocks_.wall_shifts(), kMeshSamples);
     terms.wall_weight = kWallWeights * kWallWeight;
     raise_least(terms, measure(terms), kShapeWeight, 16, 60, 16);
   }
@@ -312,14 +342,14 @@ double straight_energy(const BlockProblem& problem) {
 double placed_energy(const BlockProblem& problem) { return Optimiser(problem).place(); }
 
 double least_jacobian(const std::vector<Vec3>& nodes) {
-  return least_at(nodes, {equispaced_tables(block_nodes_1d(), 9), {}, 0});
+  return least_at(nodes, {{equispaced_tables(block_nodes_1d(), 9), {}, 0}});
 }
 
 BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh) {
   BlockSolution s;
   const double of_blocks = least_jacobian(nodes);
   const auto tables = mesh_tables(block_nodes_1d(), mesh);
-  s.min_jacobian = tables ? least_at(nodes, {*tables, {}, 0}) : of_blocks;
+  s.min_jacobian = tables ? least_at(nodes, {{*tables, {}, 0}}) : of_blocks;
   s.certified = of_blocks > 0 && all_certified(nodes);
   s.nodes = std::move(nodes);
   return s;
