@@ -42,34 +42,28 @@ class StokesMatrix {
   /// Columns of known velocities are read, their rows give zero.
   void vmult(Blocks<Number>& out, const Blocks<Number>& in) const {
     out = 0;
-    cells_.template cell_loop<Blocks<Number>, Blocks<Number>>(
-        [&](const Cells<Number>&, Blocks<Number>& y, const Blocks<Number>& x, const CellRange& range) {
-          CellValues<3, Number> u(cells_, 0);
-          CellValues<1, Number> p(cells_, 1);
-          for (unsigned int cell = range.first; cell < range.second; ++cell) {
-            u.reinit(cell);
-            p.reinit(cell);
-            u.read_dof_values_plain(x);
-            p.read_dof_values(x, 3);
-            u.evaluate(dealii::EvaluationFlags::gradients);
-            p.evaluate(dealii::EvaluationFlags::values);
-            for (unsigned int q = 0; q < u.n_q_points; ++q) {
-              auto stress = u.get_gradient(q);
-              const Wide<Number> divergence = stress[0][0] + stress[1][1] + stress[2][2];
-              const Wide<Number> pressure = scale_ * p.get_value(q);
-              for (int c = 0; c < 3; ++c) {
-                stress[c][c] -= pressure;
-              }
-              u.submit_gradient(stress, q);
-              p.submit_value(-scale_ * divergence, q);
+    for_cells(
+        [&](CellValues<3, Number>& u, CellValues<1, Number>& p, Blocks<Number>& y, const Blocks<Number>& x) {
+          u.read_dof_values_plain(x);
+          p.read_dof_values(x, 3);
+          u.evaluate(dealii::EvaluationFlags::gradients);
+          p.evaluate(dealii::EvaluationFlags::values);
+          for (unsigned int q = 0; q < u.n_q_points; ++q) {
+            auto stress = u.get_gradient(q);
+            const Wide<Number> divergence = stress[0][0] + stress[1][1] + stress[2][2];
+            const Wide<Number> pressure = scale_ * p.get_value(q);
+            for (int c = 0; c < 3; ++c) {
+              stress[c][c] -= pressure;
             }
-            u.integrate(dealii::EvaluationFlags::gradients);
-            p.integrate(dealii::EvaluationFlags::values);
-            u.distribute_local_to_global(y);
-            p.distribute_local_to_global(y, 3);
+            u.submit_gradient(stress, q);
+            p.submit_value(-scale_ * divergence, q);
           }
+          u.integrate(dealii::EvaluationFlags::gradients);
+          p.integrate(dealii::EvaluationFlags::values);
+          u.distribute_local_to_global(y);
+          p.distribute_local_to_global(y, 3);
         },
-        out, in, false);
+        out, in);
     for (const Resistance& r : resistances_) {
       r.add(r.over_viscosity * r.flow(in), out);
     }
@@ -77,27 +71,21 @@ class StokesMatrix {
 
   /// out -= B^T p, the velocity blocks only.
   void subtract_gradient(Blocks<Number>& out, const Blocks<Number>& pressure) const {
-    cells_.template cell_loop<Blocks<Number>, Blocks<Number>>(
-        [&](const Cells<Number>&, Blocks<Number>& y, const Blocks<Number>& x, const CellRange& range) {
-          CellValues<3, Number> u(cells_, 0);
-          CellValues<1, Number> p(cells_, 1);
-          for (unsigned int cell = range.first; cell < range.second; ++cell) {
-            u.reinit(cell);
-            p.reinit(cell);
-            p.read_dof_values(x);
-            p.evaluate(dealii::EvaluationFlags::values);
-            for (unsigned int q = 0; q < u.n_q_points; ++q) {
-              dealii::Tensor<2, 3, Wide<Number>> stress;
-              for (int c = 0; c < 3; ++c) {
-                stress[c][c] = scale_ * p.get_value(q);
-              }
-              u.submit_gradient(stress, q);
+    for_cells(
+        [&](CellValues<3, Number>& u, CellValues<1, Number>& p, Blocks<Number>& y, const Blocks<Number>& x) {
+          p.read_dof_values(x);
+          p.evaluate(dealii::EvaluationFlags::values);
+          for (unsigned int q = 0; q < u.n_q_points; ++q) {
+            dealii::Tensor<2, 3, Wide<Number>> stress;
+            for (int c = 0; c < 3; ++c) {
+              stress[c][c] = scale_ * p.get_value(q);
             }
-            u.integrate(dealii::EvaluationFlags::gradients);
-            u.distribute_local_to_global(y);
+            u.submit_gradient(stress, q);
           }
+          u.integrate(dealii::EvaluationFlags::gradients);
+          u.distribute_local_to_global(y);
         },
-        out, pressure, false);
+        out, pressure);
   }
 
   void reinit(Blocks<Number>& v) const {
@@ -109,6 +97,22 @@ class StokesMatrix {
   }
 
  private:
+  /// Adds to out what f(velocities, pressures, out, in) adds at each batch of cells.
+  template <class F>
+  void for_cells(const F& f, Blocks<Number>& out, const Blocks<Number>& in) const {
+    cells_.template cell_loop<Blocks<Number>, Blocks<Number>>(
+        [&](const Cells<Number>&, Blocks<Number>& y, const Blocks<Number>& x, const CellRange& range) {
+          CellValues<3, Number> u(cells_, 0);
+          CellValues<1, Number> p(cells_, 1);
+          for (unsigned int cell = range.first; cell < range.second; ++cell) {
+            u.reinit(cell);
+            p.reinit(cell);
+            f(u, p, y, x);
+          }
+        },
+        out, in, false);
+  }
+
   const Cells<Number>& cells_;
   Number scale_;
   const std::vector<Resistance>& resistances_;

@@ -67,10 +67,14 @@ SqueezedCase squeezed(const Skeleton& skeleton, double factor) {
 }
 
 TEST(Lumen, MayHaveEllipsesForSections) {
-  const std::vector<Skeleton> shapes{gallery::tube(8, 1),          gallery::linked(6),
-                                     gallery::linked(1.2),         gallery::random_star(3, 1, 30),
-                                     gallery::random_star(4, 1, 30), gallery::random_star(5, 1, 30),
-                                     gallery::torus(4, 1),         gallery::ring_with_arms()};
+  const std::vector<Skeleton> shapes{gallery::tube(8, 1),
+                                     gallery::linked(6),
+                                     gallery::linked(1.2),
+                                     gallery::random_star(3, 1, 30),
+                                     gallery::random_star(4, 1, 30),
+                                     gallery::random_star(5, 1, 30),
+                                     gallery::torus(4, 1),
+                                     gallery::ring_with_arms()};
   for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
     SCOPED_TRACE(shape);
     const SqueezedCase c = squeezed(shapes[shape], 1.4);
@@ -151,7 +155,7 @@ class TestTube final : public ImplicitSurface {
   double length_;
 };
 
-TEST(Lumen, MayCloseWithoutAnEnd) {
+Skeleton straight_skeleton() {
   Skeleton s;
   for (int i = 0; i <= 8; ++i) {
     s.points.emplace_back(i, 0, 0);
@@ -160,13 +164,17 @@ TEST(Lumen, MayCloseWithoutAnEnd) {
       s.segments.push_back({i - 1, i});
     }
   }
+  return s;
+}
+
+TEST(Lumen, MayCloseWithoutAnEnd) {
   Lumen lumen;
   lumen.ends = {{Vec3::Zero(), -Vec3::UnitX(), 1}};
   lumen.surface = [](const Network&) { return std::make_shared<TestTube>(8); };
   SkeletonMeshOptions options;
   options.mesh.order = 3;
   options.grading.elements = 2;
-  const SkeletonMesh m = mesh_lumen(s, lumen, options);
+  const SkeletonMesh m = mesh_lumen(straight_skeleton(), lumen, options);
   const QualityReport quality = measure_quality(m.result.mesh);
   EXPECT_EQ(quality.certified, m.result.mesh.element_count());
   EXPECT_GT(quality.scaled_jacobian.min, 0.5);
@@ -195,18 +203,6 @@ class RidgedTube final : public ImplicitSurface {
   double radius(const Vec3&) const override { return 1; }
   static constexpr double kAt = 4.22;
 };
-
-Skeleton straight_skeleton() {
-  Skeleton s;
-  for (int i = 0; i <= 8; ++i) {
-    s.points.emplace_back(i, 0, 0);
-    s.radii.push_back(1);
-    if (i > 0) {
-      s.segments.push_back({i - 1, i});
-    }
-  }
-  return s;
-}
 
 Lumen open_tube(std::shared_ptr<const ImplicitSurface> surface) {
   Lumen lumen;
@@ -300,9 +296,13 @@ TEST(WallReach, PointsLieOnTheTrianglesAllOverThem) {
   const std::vector<Vec3> points = points_on(s, TestTube(1));
   for (double x = 0.2; x < 5.8; x += 0.1) {
     const Vec3 middle(x, 0.1 * (1 - x / 6), 0);
-    EXPECT_LT((*std::min_element(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) {
-                return (a - middle).squaredNorm() < (b - middle).squaredNorm();
-              }) - middle).norm(), 0.3);
+    EXPECT_LT((*std::min_element(points.begin(), points.end(),
+                                 [&](const Vec3& a, const Vec3& b) {
+                                   return (a - middle).squaredNorm() < (b - middle).squaredNorm();
+                                 }) -
+               middle)
+                  .norm(),
+              0.3);
   }
   for (const Vec3& p : points) {
     EXPECT_TRUE(p.z() == 0 && p.y() > 0 && p.x() > 0 && p.x() / 6 + p.y() / 0.2 < 1);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "json_point.h"
+
 namespace vasohex::cli {
 namespace {
 
@@ -53,7 +55,7 @@ nlohmann::ordered_json findings_json(const std::vector<Finding>& findings) {
       }
     }
     nlohmann::ordered_json row{{"kind", name_of(f.kind)}, {"severity", name_of(f.severity)},
-                               {"branches", branches},    {"at", {f.at.x(), f.at.y(), f.at.z()}},
+                               {"branches", branches},    {"at", xyz(f.at)},
                                {"figure", f.figure},      {"text", f.text},
                                {"cure", f.cure}};
     if (f.point >= 0) {

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "findings.h"
 #include "input.h"
+#include "json_point.h"
 #include "option_checks.h"
 #include "report.h"
 
@@ -16,8 +17,6 @@ struct InfoCommand {
   Input input;
   std::string json;
 };
-
-nlohmann::ordered_json xyz(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
 void run_info(const InfoCommand& c, Common& common) {
   if (!c.json.empty()) {
@@ -104,7 +103,8 @@ void run_info(const InfoCommand& c, Common& common) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Common& common) {
-  CLI::App* command = app.add_subcommand("info", "What is in a skeleton, surface or labelmap, and what is wrong with it");
+  CLI::App* command =
+      app.add_subcommand("info", "What is in a skeleton, surface or labelmap, and what is wrong with it");
   auto c = std::make_shared<InfoCommand>();
   c->input.add_to(*command);
   command->add_option("--json", c->json, "File for the figures");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "json_point.h"
 #include "option_checks.h"
 #include "vasohex/core/short_text.h"
 #include "vasohex/core/text_lines.h"
@@ -40,10 +41,11 @@ Kind kind_of(const std::string& path) {
       (ext == ".gz" && lower_extension(std::filesystem::path(path).stem()) == ".nii")) {
     return Kind::labelmap;
   }
-  throw Error(ErrorCode::bad_input,
-              path + ": unknown extension '" + ext +
-                  "'; a skeleton is .swc or .json, a surface .stl, .ply, .obj, .off, .vtp or .vtk, a labelmap .nii, .nii.gz, "
-                  ".nrrd, .mha, .mhd or .vti");
+  throw Error(
+      ErrorCode::bad_input,
+      path + ": unknown extension '" + ext +
+          "'; a skeleton is .swc or .json, a surface .stl, .ply, .obj, .off, .vtp or .vtk, a labelmap .nii, .nii.gz, "
+          ".nrrd, .mha, .mhd or .vti");
 }
 
 [[noreturn, maybe_unused]] void needs_vtk(const std::string& path) {
@@ -88,7 +90,7 @@ void load_surface(const Input& input, const std::string& path, bool with_skeleto
     const SignCheck sign = check_sign(*triangles, kSignSamples);
     (*figures)["winding_number"] = {{"points", sign.samples}, {"contradictions", sign.contradictions}};
     if (sign.contradictions > 0) {
-      (*figures)["winding_number"]["at"] = {sign.place.x(), sign.place.y(), sign.place.z()};
+      (*figures)["winding_number"]["at"] = xyz(sign.place);
     }
     if (facets) {
       (*figures)["kind"] = "facets";
@@ -97,9 +99,7 @@ void load_surface(const Input& input, const std::string& path, bool with_skeleto
     SmoothSurface smooth = make_smooth_surface(*prepared, network, {}, run);
     const SmoothReport& r = smooth.report;
     (*figures)["kind"] = "smooth";
-    (*figures)["deviation"] = {{"max", r.deviation_max},
-                               {"mean", r.deviation_mean},
-                               {"at", {r.deviation_place.x(), r.deviation_place.y(), r.deviation_place.z()}}};
+    (*figures)["deviation"] = {{"max", r.deviation_max}, {"mean", r.deviation_mean}, {"at", xyz(r.deviation_place)}};
     (*figures)["points"] = {{"all", r.points}, {"curved_triangles", r.curved}, {"facets", r.flat}};
     return std::move(smooth.surface);
   };
@@ -126,8 +126,8 @@ void load_labelmap(const Input& input, const std::string& path, bool with_skelet
   }
   loaded.lumen.emplace();
   loaded.lumen->ends = found.ends;
-  loaded.lumen->surface = [level_set = found.level_set](
-                              const Network& network) -> std::shared_ptr<const ImplicitSurface> {
+  loaded.lumen->surface = [level_set =
+                               found.level_set](const Network& network) -> std::shared_ptr<const ImplicitSurface> {
     return make_level_set_surface(level_set, network);
   };
   loaded.lumen->wall = [volume](const ImplicitSurface& surface) { return points_on(*volume, surface); };
@@ -142,8 +142,8 @@ void load_labelmap(const Input& input, const std::string& path, bool with_skelet
 void Input::add_to(CLI::App& command) {
   command
       .add_option("INPUT", path,
-                  "Skeleton (.swc, .json), surface (.stl, .ply, .obj, .off, .vtp, .vtk) or labelmap (.nii, .nii.gz, .nrrd, .mha, "
-                  ".mhd, .vti)")
+                  "Skeleton (.swc, .json), surface (.stl, .ply, .obj, .off, .vtp, .vtk) or labelmap (.nii, .nii.gz, "
+                  ".nrrd, .mha, .mhd, .vti)")
       ->required();
   command.add_option("--skeleton", skeleton, "Skeleton of a surface or labelmap, instead of one found in it");
   command.add_option("--surface", surface, "Surface or labelmap that the mesh of a skeleton conforms to");
@@ -156,9 +156,8 @@ void Input::add_to(CLI::App& command) {
 }
 
 void Input::add_repair(CLI::App& command, SkeletonMeshOptions& options) {
-  command.add_flag(
-      "--repair", options.repair,
-      "Part vessels that overlap or touch, leave out stray pieces and branches that end inside others");
+  command.add_flag("--repair", options.repair,
+                   "Part vessels that overlap or touch, leave out stray pieces and branches that end inside others");
 }
 
 bool Input::has_lumen() const { return kind_of(path) != Kind::skeleton || !surface.empty(); }

@@ -7,6 +7,7 @@
 #include "findings.h"
 #include "gmsh/write_msh.h"
 #include "input.h"
+#include "json_point.h"
 #include "option_checks.h"
 #include "report.h"
 #include "vasohex/core/short_text.h"
@@ -142,9 +143,8 @@ void run_mesh(MeshCommand& c, Common& common) {
     j["loops"] = counts.loops;
     auto& junctions = j["junctions"] = nlohmann::ordered_json::array();
     for (const BlockStructure::Junction& k : m.blocks.junctions) {
-      const Vec3& x = m.network.nodes[k.node].position;
       junctions.push_back({{"node", m.network.nodes[k.node].point},
-                           {"at", {x.x(), x.y(), x.z()}},
+                           {"at", xyz(m.network.nodes[k.node].position)},
                            {"degree", k.degree},
                            {"prototype", k.prototype},
                            {"sj_min", k.min_jacobian},
@@ -158,9 +158,8 @@ void run_mesh(MeshCommand& c, Common& common) {
       nlohmann::ordered_json row{{"name", mesh.surfaces[s]}, {"id", s + 1}};
       if (s > 0) {
         const SectionFrame& f = m.blocks.ends[s - 1];
-        const Vec3 n = f.normal();
-        row["centre"] = {f.origin.x(), f.origin.y(), f.origin.z()};
-        row["normal"] = {n.x(), n.y(), n.z()};
+        row["centre"] = xyz(f.origin);
+        row["normal"] = xyz(f.normal());
         row["radius"] = f.radius;
       }
       surfaces.push_back(row);
@@ -169,13 +168,12 @@ void run_mesh(MeshCommand& c, Common& common) {
     j["wall_residual_max"] = m.result.wall_residual_max;
     j["unconverged_projections"] = m.result.unconverged;
     if (m.result.unconverged > 0) {
-      const Vec3& at = m.result.unconverged_place;
-      j["unconverged_at"] = {at.x(), at.y(), at.z()};
+      j["unconverged_at"] = xyz(m.result.unconverged_place);
     }
     const RelaxedWall& relaxed = m.result.relaxed;
     j["wall_relaxed"] = {{"nodes", relaxed.nodes}, {"max", relaxed.largest}};
     if (relaxed.nodes > 0) {
-      j["wall_relaxed"]["at"] = {relaxed.place.x(), relaxed.place.y(), relaxed.place.z()};
+      j["wall_relaxed"]["at"] = xyz(relaxed.place);
     }
     if (loaded.lumen) {
       j["reach"] = reach_json(m.reach);
@@ -188,14 +186,14 @@ void run_mesh(MeshCommand& c, Common& common) {
     j["findings"] = findings_json(m.findings);
     auto& not_certified = j["not_certified"] = nlohmann::ordered_json::array();
     for (const FailedPlace& f : failed) {
-      nlohmann::ordered_json row{{f.place < 0 ? "junction" : "branch",
-                                  f.place < 0 ? m.network.nodes[-1 - f.place].point : f.place},
-                                 {"at", {f.at.x(), f.at.y(), f.at.z()}},
-                                 {"elements", f.elements},
-                                 {"scaled_jacobian", f.scaled_jacobian},
-                                 {"text", f.text},
-                                 {"reason", f.reason},
-                                 {"cure", f.cure}};
+      nlohmann::ordered_json row{
+          {f.place < 0 ? "junction" : "branch", f.place < 0 ? m.network.nodes[-1 - f.place].point : f.place},
+          {"at", xyz(f.at)},
+          {"elements", f.elements},
+          {"scaled_jacobian", f.scaled_jacobian},
+          {"text", f.text},
+          {"reason", f.reason},
+          {"cure", f.cure}};
       if (f.finding >= 0) {
         row["finding"] = f.finding;
       }
@@ -245,9 +243,10 @@ void run_mesh(MeshCommand& c, Common& common) {
     std::printf("%s", reach_text(m.reach).c_str());
     if (loaded.figures->contains("winding_number") && (*loaded.figures)["winding_number"]["contradictions"] > 0) {
       const auto& at = (*loaded.figures)["winding_number"]["at"];
-      std::printf("  warning: the winding number contradicts the orientation of the lumen's wall, as at %s: sheets "
-                  "overlap or are turned\n",
-                  short_text(Vec3(at[0], at[1], at[2])).c_str());
+      std::printf(
+          "  warning: the winding number contradicts the orientation of the lumen's wall, as at %s: sheets "
+          "overlap or are turned\n",
+          short_text(Vec3(at[0], at[1], at[2])).c_str());
     }
     if (m.result.shrunk_lines > 0) {
       std::printf("  warning: the layers do not fit on %d lines towards the wall and were made thinner there\n",
@@ -266,7 +265,8 @@ void run_mesh(MeshCommand& c, Common& common) {
 }  // namespace
 
 void add_mesh_command(CLI::App& app, Common& common) {
-  CLI::App* command = app.add_subcommand("mesh", "Skeleton, surface or labelmap in, certified hexahedra of order p out");
+  CLI::App* command =
+      app.add_subcommand("mesh", "Skeleton, surface or labelmap in, certified hexahedra of order p out");
   auto c = std::make_shared<MeshCommand>();
   c->input.add_to(*command);
   command->add_option("-o,--output", c->outputs, "Mesh file: .msh (Gmsh 4.1) or .vtu; may be given several times");

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "json_point.h"
 #include "vasohex/core/atomic_file.h"
 #include "vasohex/core/short_text.h"
 
@@ -33,9 +34,8 @@ void add_quality(nlohmann::ordered_json& json, const QualityReport& r, const Net
       {"certified", r.certified}, {"invalid", r.invalid}, {"undecided", r.undecided}, {"bound_min", r.bound_min}};
   auto& worst = json["worst"] = nlohmann::ordered_json::array();
   for (const QualityReport::Element& e : r.worst) {
-    nlohmann::ordered_json row{{"element", e.element + 1},
-                               {"scaled_jacobian", e.scaled_jacobian},
-                               {"at", {e.centre.x(), e.centre.y(), e.centre.z()}}};
+    nlohmann::ordered_json row{
+        {"element", e.element + 1}, {"scaled_jacobian", e.scaled_jacobian}, {"at", xyz(e.centre)}};
     if (network != nullptr && e.branch && *e.branch >= 0) {
       row["branch"] = *e.branch;
     } else if (network != nullptr && e.branch) {
@@ -69,8 +69,7 @@ nlohmann::ordered_json reach_json(const WallReach& r) {
   nlohmann::ordered_json json{{"points", r.points}, {"mean", r.mean}, {"p99", r.p99}, {"max", r.max}};
   auto& places = json["unreached"] = nlohmann::ordered_json::array();
   for (const WallReach::Place& p : r.unreached) {
-    places.push_back(
-        {{"at", {p.at.x(), p.at.y(), p.at.z()}}, {"distance", p.distance}, {"radii", p.radii}, {"share", p.share}});
+    places.push_back({{"at", xyz(p.at)}, {"distance", p.distance}, {"radii", p.radii}, {"share", p.share}});
   }
   return json;
 }
@@ -79,10 +78,12 @@ std::string reach_text(const WallReach& r) {
   if (r.points == 0) {
     return "";
   }
-  std::string out = text("  %-26s max %.3f   99%% %.3f  mean %.4f radii\n", "lumen to the mesh's wall", r.max, r.p99, r.mean);
+  std::string out =
+      text("  %-26s max %.3f   99%% %.3f  mean %.4f radii\n", "lumen to the mesh's wall", r.max, r.p99, r.mean);
   constexpr std::size_t shown = 10;
   if (!r.unreached.empty()) {
-    out += text("  not reached, further than %.2f radii from the mesh's wall: %zu place(s)", kReached, r.unreached.size());
+    out += text("  not reached, further than %.2f radii from the mesh's wall: %zu place(s)", kReached,
+                r.unreached.size());
     out += r.unreached.size() > shown ? ", the worst " + std::to_string(shown) + ":\n" : ":\n";
   }
   for (std::size_t i = 0; i < std::min(shown, r.unreached.size()); ++i) {

@@ -6,6 +6,7 @@
 
 #include "vasohex/blocks/move_blocks.h"
 #include "vasohex/core/error.h"
+#include "vasohex/mesh/move_mesh.h"
 #include "vasohex/skeleton/own_frame.h"
 #include "vasohex/surface/moved_surface.h"
 
@@ -189,16 +190,12 @@ void keep_neighbourhood(MeshPart& part, const std::vector<std::int64_t>& ids, in
 
 }  // namespace
 
-MeshPart mesh_part(const BlockFile& file, const Grading& asked, const MeshOptions& options, int rank, int ranks,
+MeshPart mesh_part(const BlockFile& file, const Grading& grading, const MeshOptions& options, int rank, int ranks,
                    const Run& run, std::shared_ptr<const ImplicitSurface> lumen) {
   // as mesh_skeleton: in the network's own frame
   const OwnFrame frame = own_frame(file.network);
-  Grading grading = asked;
-  if (grading.layers && !grading.layers->relative) {
-    grading.layers->first_height /= frame.scale;
-  }
   const BlockTopology topology = build_topology(file.blocks.vertex_count, file.blocks.blocks);
-  const Sheets sheets = grade(file.blocks, topology, grading);
+  const Sheets sheets = grade(file.blocks, topology, in_frame(grading, frame));
   MeshPart part;
   std::vector<std::int64_t> first{0};
   for (std::size_t b = 0; b < topology.blocks.size(); ++b) {
@@ -235,20 +232,14 @@ MeshPart mesh_part(const BlockFile& file, const Grading& asked, const MeshOption
   }
   const MovedSurface surface(std::move(lumen), frame.inverse());
   part.result = generate_mesh(some.blocks, some.topology, some.sheets, surface, options, run);
-  HexMesh& mesh = part.result.mesh;
-  for (Vec3& p : mesh.nodes) {
-    p = frame.outward(p);
-  }
-  for (Vec3* place : {&part.result.relaxed.place, &part.result.unconverged_place}) {
-    *place = frame.outward(*place);
-  }
+  move_outward(part.result, frame);
   std::vector<std::int64_t> ids;
   for (const int b : some.original) {
     for (std::int64_t id = first[b]; id < first[b + 1]; ++id) {
       ids.push_back(id);
     }
   }
-  for (int& b : mesh.element_block) {
+  for (int& b : part.result.mesh.element_block) {
     b = some.original[b];
   }
   if (ranks > 1) {

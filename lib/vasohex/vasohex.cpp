@@ -6,6 +6,7 @@
 
 #include "vasohex/blocks/move_blocks.h"
 #include "vasohex/core/short_text.h"
+#include "vasohex/mesh/move_mesh.h"
 #include "vasohex/skeleton/own_frame.h"
 #include "vasohex/skeleton/repair.h"
 #include "vasohex/skeleton/tie_ends.h"
@@ -33,19 +34,10 @@ void mesh_network(const Network& network, const OwnFrame& frame, const ImplicitS
   out.seconds["blocks"] = seconds_since(start);
   const Clock::time_point meshing = Clock::now();
   const BlockTopology topology = build_topology(out.blocks.vertex_count, out.blocks.blocks);
-  Grading grading = options.grading;
-  if (grading.layers && !grading.layers->relative) {
-    grading.layers->first_height /= frame.scale;
-  }
-  out.sheets = grade(out.blocks, topology, grading);
+  out.sheets = grade(out.blocks, topology, in_frame(options.grading, frame));
   out.result = generate_mesh(out.blocks, topology, out.sheets, surface, options.mesh, run);
   move_outward(out.blocks, frame);
-  for (Vec3& p : out.result.mesh.nodes) {
-    p = frame.outward(p);
-  }
-  for (Vec3* place : {&out.result.relaxed.place, &out.result.unconverged_place}) {
-    *place = frame.outward(*place);
-  }
+  move_outward(out.result, frame);
   out.seconds["mesh"] = seconds_since(meshing);
 }
 
@@ -62,9 +54,9 @@ std::set<int> blind_ends(const Network& network, const ImplicitSurface& surface,
       const Vec3 ahead = side == 0 ? Vec3(-branch.tangents.front()) : branch.tangents.back();
       const bool closes = shoot(surface, node.position, ahead, node.radius, 2.5 * node.radius).has_value();
       const std::string place = "point " + std::to_string(node.point) + " " + short_text(node.position);
-      notes.push_back("note: the skeleton ends at " + place + ", where the lumen has no end: " +
-                      (closes ? "the vessel closes there, which is meshed without a cap"
-                              : "the mesh ends there in a flat cap"));
+      notes.push_back(
+          "note: the skeleton ends at " + place + ", where the lumen has no end: " +
+          (closes ? "the vessel closes there, which is meshed without a cap" : "the mesh ends there in a flat cap"));
       if (closes) {
         blind.insert(node.point);
       }

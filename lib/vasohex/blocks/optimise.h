@@ -16,7 +16,8 @@ namespace vasohex {
 inline constexpr int kBlockDegree = 4;
 inline constexpr int kBlockNodes = (kBlockDegree + 1) * (kBlockDegree + 1) * (kBlockDegree + 1);
 
-/// The mesh that blocks are for: `elements` per block edge, equal parts, of this order. Order 0: the blocks themselves.
+/// The mesh that blocks are for: `elements` per block edge, equal parts, of this order. Order 0: the blocks
+/// themselves.
 struct MeshDivision {
   int order = 0;
   int elements = 0;
@@ -47,11 +48,11 @@ struct BlockProblem {
 };
 
 struct BlockSolution {
-  std::vector<Vec3> nodes;   ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
+  std::vector<Vec3> nodes;  ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
   /// Least scaled Jacobian of a mesh whose wall is projected: of the elements of problem.mesh where they differ from
   /// the blocks. Never far above that of the blocks themselves.
   double min_jacobian = -1;
-  bool certified = false;    ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
+  bool certified = false;  ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
 
   bool is_better_than(const BlockSolution& other) const {
     return certified != other.certified ? certified : min_jacobian > other.min_jacobian;
@@ -59,9 +60,8 @@ struct BlockSolution {
 };
 
 /// The recipe of docs/design.md: untangle at degree 2, then degrees 2, 3, 4 with rising weight on the worst scaled
-/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; weak ones once more with the
-/// wall projected as a mesh's will be; then certify.
-/// Deterministic.
+/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; weak ones once more with
+/// the wall projected as a mesh's will be; then certify. Deterministic.
 BlockSolution optimise_blocks(const BlockProblem& problem);
 
 /// The same, or nothing as soon as it looks hopeless: blocks that are still folded, or nearly, when others are not.
@@ -80,7 +80,7 @@ double placed_energy(const BlockProblem& problem);
 BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start);
 
 /// Control points [blocks][kBlockNodes] judged as they are: min_jacobian and certificate.
-BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh = {});
+BlockSolution judge_blocks(std::vector<Vec3> nodes, const MeshDivision& mesh);
 
 /// The least scaled Jacobian of blocks alone, on an equispaced lattice of 9^3 points each.
 double least_jacobian(const std::vector<Vec3>& nodes);

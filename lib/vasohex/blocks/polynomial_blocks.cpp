@@ -251,9 +251,6 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
   }
   kernel::DistortionInput in;
   in.degree = degree_;
-  in.samples = terms.tables.samples;
-  in.value = terms.tables.value.data();
-  in.slope = terms.tables.slope.data();
   in.blocks = block_count();
   in.ids = ids_.data();
   in.nodes = y.data();
@@ -261,22 +258,19 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
   in.shape_weight = terms.shape_weight;
   in.jacobian_weight = terms.jacobian_weight;
   in.epsilon = terms.epsilon;
-  in.jacobian_goal = terms.jacobian_goal;
   in.power = terms.power;
-  in.added = terms.added.empty() ? nullptr : terms.added.data();
-  const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
-  Energy e{out.energy, out.min_jacobian, out.min_det};
-  e.gap_cost = terms.added.empty() ? 8 : 2;
-  if (terms.guard.samples > 0) {
-    in.samples = terms.guard.samples;
-    in.added = nullptr;
-    in.value = terms.guard.value.data();
-    in.slope = terms.guard.slope.data();
-    in.jacobian_goal = terms.jacobian_goal - kGuardAllowance;
-    const kernel::DistortionOutput guarded = kernel::distortion(in, gradient ? gradient->data() : nullptr);
-    e.value += guarded.energy;
-    e.min_jacobian = std::min(e.min_jacobian, guarded.min_jacobian + kGuardAllowance);
-    e.min_det = std::min(e.min_det, guarded.min_det);
+  Energy e;
+  for (const Samples& s : terms.samples) {
+    in.samples = s.tables.samples;
+    in.value = s.tables.value.data();
+    in.slope = s.tables.slope.data();
+    in.added = s.added.empty() ? nullptr : s.added.data();
+    in.jacobian_goal = terms.jacobian_goal - s.allowance;
+    const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
+    e.value += out.energy;
+    e.min_jacobian = std::min(e.min_jacobian, out.min_jacobian + s.allowance);
+    e.min_det = std::min(e.min_det, out.min_det);
+    e.gap_cost = s.added.empty() ? e.gap_cost : 2;
   }
   e.value += wall_distance(y, terms.wall_weight, gradient, e.wall_gap);
   if (gradient) {
@@ -382,14 +376,14 @@ std::vector<Vec3> PolynomialBlocks::block_nodes() const {
   return all;
 }
 
-std::vector<double> PolynomialBlocks::projection(const SampleTables& tables, const SampleTables& fine) const {
-  const int n = degree_ + 1, samples = tables.samples;
-  const std::vector<double> at_fine = family_nodes(NodeFamily::gauss_lobatto, kProjectionDegree);
+std::vector<Vec3> PolynomialBlocks::wall_shifts() const {
+  const int n = degree_ + 1;
   constexpr int m = kProjectionDegree + 1;
-  const std::vector<double> to_fine = lagrange_values(nodes_1d_, at_fine);
-  std::vector<double> added(static_cast<std::size_t>(9) * block_count() * samples * samples * samples, 0.0);
+  const std::vector<double> to_fine =
+      lagrange_values(nodes_1d_, family_nodes(NodeFamily::gauss_lobatto, kProjectionDegree));
+  std::vector<Vec3> shifts;
+  shifts.reserve(wall_faces_.size() * m * m);
   std::array<int, 25> ids;
-  std::array<Vec3, m * m> shift;
   for (const auto& [b, f] : wall_faces_) {
     for_face(f, [&, b = b](int s, int t, int at) { ids[s + n * t] = id(b, at); });
     const double radius = problem_->surface->radius(x.row(ids[n * n / 2]));
@@ -412,9 +406,21 @@ std::vector<double> PolynomialBlocks::projection(const SampleTables& tables, con
           }
         }
         const Vec3 away = p - start;
-        shift[s + m * t] = away.norm() < 0.5 * radius ? away : Vec3(Vec3::Zero());
+        shifts.push_back(away.norm() < 0.5 * radius ? away : Vec3(Vec3::Zero()));
       }
     }
+  }
+  return shifts;
+}
+
+std::vector<double> PolynomialBlocks::projection(const std::vector<Vec3>& shifts, const SampleTables& tables,
+                                                 const SampleTables& fine) const {
+  const int n = degree_ + 1, samples = tables.samples;
+  constexpr int m = kProjectionDegree + 1;
+  std::vector<double> added(static_cast<std::size_t>(9) * block_count() * samples * samples * samples, 0.0);
+  for (std::size_t face = 0; face < wall_faces_.size(); ++face) {
+    const auto [b, f] = wall_faces_[face];
+    const Vec3* shift = &shifts[face * m * m];
     const int d = f / 2;
     const auto [du, dv] = hex_face_axes(f);
     for (int t = 0; t < samples; ++t) {

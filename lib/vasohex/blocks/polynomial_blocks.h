@@ -2,7 +2,9 @@
 /// \file Internal to blocks/: the blocks of a BlockProblem as polynomials of one degree, and their energy.
 
 #include <array>
+#include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "vasohex/blocks/energy_kernel.h"
@@ -51,6 +53,14 @@ inline Vec3 trilinear(const std::vector<Vec3>& vertices, const std::array<int, 8
 /// polynomial faces drift and projection lands on the wrong vessel.
 inline constexpr double kWallWeight = 72;
 
+/// Where the energy looks at Jacobians: at samples of the blocks, or of a mesh made of them.
+struct Samples {
+  SampleTables tables;
+  /// How a mesh's Jacobians differ from those of the blocks, see PolynomialBlocks::projected; empty: not at all.
+  std::vector<double> added;
+  double allowance = 0;  ///< how much less than elsewhere scaled Jacobians may be here
+};
+
 /// What the energy is made of; see kernel::DistortionInput.
 struct EnergyTerms {
   double shape_weight = 1;
@@ -59,20 +69,14 @@ struct EnergyTerms {
   double epsilon = 1e-3;
   double jacobian_goal = 0.5;
   int power = 8;
-  SampleTables tables;
-  /// How a mesh's Jacobians differ from those of the blocks, see PolynomialBlocks::projection; empty: not at all.
-  std::vector<double> added;
-  SampleTables guard;  ///< samples that must not fold either, if any: of the blocks, where `tables` are a mesh's
+  std::vector<Samples> samples;
 };
-
-/// How much less than the scaled Jacobian of a mesh that of its blocks may be.
-inline constexpr double kGuardAllowance = 0.4;
 
 struct Energy {
   double value = 0;
-  double min_jacobian = 0;
-  double min_det = 0;
-  double gap_cost = 8;  ///< 2 where the projection is among the terms: it changes a little with the gap
+  double min_jacobian = std::numeric_limits<double>::infinity();
+  double min_det = std::numeric_limits<double>::infinity();
+  double gap_cost = 8;  ///< 2 where the wall is projected: the projection changes a little with the gap
   double wall_gap = 0;  ///< largest distance of the wall to the surface at a sample, over the block's length
 
   /// What is left of the least scaled Jacobian once the wall of a mesh is projected, roughly: blocks gain Jacobians
@@ -161,10 +165,20 @@ class PolynomialBlocks {
 
   std::vector<Vec3> block_nodes() const;
 
-  /// What the projection of a mesh's wall nodes onto the surface, carried linearly through the blocks that end there,
-  /// adds to dx/du at the samples of `tables`: [blocks][samples^3][direction][xyz], k fastest. `fine`: the same
-  /// samples from the Gauss-Lobatto nodes of degree kProjectionDegree, at which the projection is looked at.
-  std::vector<double> projection(const SampleTables& tables, const SampleTables& fine) const;
+  /// From the blocks' wall to the surface at the Gauss-Lobatto nodes of degree kProjectionDegree:
+  /// [wall faces][kProjectionDegree + 1][kProjectionDegree + 1].
+  std::vector<Vec3> wall_shifts() const;
+
+  /// Samples of a mesh whose wall nodes lie on the surface, their shifts carried linearly through the blocks that end
+  /// there. `tables`: from nodes on [0, 1], those of the blocks and those of the shifts, to tables at the same
+  /// samples.
+  template <class MakeTables>
+  Samples projected(const std::vector<Vec3>& shifts, const MakeTables& tables) const {
+    SampleTables of_blocks = tables(nodes_1d_);
+    std::vector<double> added =
+        projection(shifts, of_blocks, tables(family_nodes(NodeFamily::gauss_lobatto, kProjectionDegree)));
+    return {std::move(of_blocks), std::move(added), 0};
+  }
 
  private:
   struct WallFace {
@@ -180,6 +194,11 @@ class PolynomialBlocks {
       }
     }
   }
+
+  /// What shifts of the wall add to dx/du at samples: [blocks][samples^3][direction][xyz], k fastest. `fine`: the
+  /// samples from the nodes of the shifts.
+  std::vector<double> projection(const std::vector<Vec3>& shifts, const SampleTables& tables,
+                                 const SampleTables& fine) const;
 
   /// kWallWeight * mean over samples between the wall nodes of (distance to the surface / block length)^2; `gap` is
   /// the largest of these distances over the length.
