@@ -3,12 +3,12 @@
 
 #include <array>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "vasohex/blocks/energy_kernel.h"
 #include "vasohex/blocks/optimise.h"
+#include "vasohex/blocks/samples.h"
 #include "vasohex/blocks/topology.h"
 #include "vasohex/blocks/wall_model.h"
 #include "vasohex/core/node_family.h"
@@ -19,21 +19,6 @@ namespace vasohex {
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 enum class NodeKind : char { free, wall, fixed };
-
-/// Values and derivatives of the Lagrange polynomials at the samples of the energy.
-struct SampleTables {
-  int samples = 0;
-  std::vector<double> value, slope;
-};
-
-inline SampleTables equispaced_tables(const std::vector<double>& nodes, int samples) {
-  const std::vector<double> at = family_nodes(NodeFamily::equispaced, samples - 1);
-  return {samples, lagrange_values(nodes, at), lagrange_derivatives(nodes, at)};
-}
-
-/// The same for the elements of a mesh that interpolates the blocks: each piece's own samples, as many as its order
-/// needs to see its Jacobians. None if the mesh is about as good as the blocks.
-std::optional<SampleTables> mesh_tables(const std::vector<double>& nodes, const MeshDivision& mesh);
 
 /// Point u in [0,1]^3 of a hexahedron with straight edges.
 inline Vec3 trilinear(const std::vector<Vec3>& vertices, const std::array<int, 8>& block,
@@ -52,14 +37,6 @@ inline Vec3 trilinear(const std::vector<Vec3>& vertices, const std::array<int, 8
 /// Weight of the mean square distance of the wall to the surface, over the block length. Decisive: without it
 /// polynomial faces drift and projection lands on the wrong vessel.
 inline constexpr double kWallWeight = 72;
-
-/// Where the energy looks at Jacobians: at samples of the blocks, or of a mesh made of them.
-struct Samples {
-  SampleTables tables;
-  /// How a mesh's Jacobians differ from those of the blocks, see PolynomialBlocks::projected; empty: not at all.
-  std::vector<double> added;
-  double allowance = 0;  ///< how much less than elsewhere scaled Jacobians may be here
-};
 
 /// What the energy is made of; see kernel::DistortionInput.
 struct EnergyTerms {
