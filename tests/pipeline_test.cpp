@@ -201,7 +201,21 @@ TEST(FailedPlaces, AreNamedWithTheNearestFinding) {
         std::to_string(m.network.nodes[f.place < 0 ? -1 - f.place : m.network.branches[f.place].nodes[0]].point);
     EXPECT_NE(f.text.find(point), std::string::npos) << f.text;
     EXPECT_FALSE(f.reason.empty() || f.cure.empty());
+    EXPECT_EQ(f.reason.find("is cut"), std::string::npos) << f.reason;
   }
+  // the same with a short branch that ends where the failed element of its junction is
+  const auto degree = [&](int node) { return m.network.nodes[node].degree; };
+  Branch& branch = *std::find_if(m.network.branches.begin(), m.network.branches.end(),
+                                 [&](const Branch& b) { return degree(b.nodes[0]) == 1 || degree(b.nodes[1]) == 1; });
+  const int side = degree(branch.nodes[0]) == 1 ? 0 : 1, end = branch.nodes[side], junction = branch.nodes[1 - side];
+  const auto at_junction = [&](const FailedPlace& f) { return f.place == -1 - junction; };
+  branch.arc.back() = m.network.nodes[end].radius;
+  m.network.nodes[end].position = std::find_if(failed.begin(), failed.end(), at_junction)->at;
+  const std::vector<FailedPlace> cut = failed_places(m.network, {bend}, mesh, measure_quality(mesh));
+  const auto f = std::find_if(cut.begin(), cut.end(), at_junction);
+  ASSERT_NE(f, cut.end());
+  EXPECT_NE(f->reason.find("is cut"), std::string::npos) << f->reason;
+  EXPECT_EQ(f->finding, -1);
 }
 
 TEST(Mesh, IsTheSameForAnyNumberOfThreads) {

@@ -11,7 +11,9 @@
 namespace vasohex {
 namespace {
 
-constexpr double kNear = 6;  // radii from an element to the finding that is its reason
+constexpr double kNear = 6;       // radii from an element to the finding that is its reason
+constexpr double kNearOther = 2;  // the same of findings about other branches
+constexpr double kNearCut = 2;    // radii of an end around it
 
 std::string rounded(double value) { return short_text(std::round(100 * value) / 100); }
 
@@ -27,6 +29,21 @@ std::string name_of_place(const Network& network, int place) {
 
 double radius_at(const Network& network, int place) {
   return place < 0 ? network.nodes[-1 - place].radius : mean_radius(network.branches[place]);
+}
+
+/// The branch that ends next to x before it has left its junction; -1: none.
+int cut_at_junction(const Network& network, const Vec3& x) {
+  for (std::size_t b = 0; b < network.branches.size(); ++b) {
+    const Branch& branch = network.branches[b];
+    for (int side = 0; side < 2; ++side) {
+      const NetworkNode &end = network.nodes[branch.nodes[side]], &junction = network.nodes[branch.nodes[1 - side]];
+      if (end.degree == 1 && junction.degree > 2 && branch.length() < end.radius + junction.radius &&
+          (x - end.position).norm() < kNearCut * end.radius) {
+        return static_cast<int>(b);
+      }
+    }
+  }
+  return -1;
 }
 
 /// The finding nearest to the place's worst element, one about a branch of the place if there is one; -1: none.
@@ -45,7 +62,8 @@ int nearest_finding(const Network& network, const std::vector<Finding>& findings
                                                 network.branches[b].nodes[1] == -1 - failed.place);
     }
     const double distance = (f.at - failed.at).norm();
-    if (distance < kNear * radius_at(network, failed.place) && std::pair(!own, distance) < least) {
+    if (distance < (own ? kNear : kNearOther) * radius_at(network, failed.place) &&
+        std::pair(!own, distance) < least) {
       least = {!own, distance};
       nearest = static_cast<int>(i);
     }
@@ -115,8 +133,15 @@ std::vector<FailedPlace> failed_places(const Network& network, const std::vector
                   (failed.elements == 1 ? " element is" : " elements are") +
                   " not certified, least scaled Jacobian " + rounded(failed.scaled_jacobian) + " at " +
                   short_text(failed.at);
-    failed.finding = nearest_finding(network, findings, failed);
-    if (failed.finding >= 0) {
+    const int cut = cut_at_junction(network, failed.at);
+    failed.finding = cut >= 0 ? -1 : nearest_finding(network, findings, failed);
+    if (cut >= 0) {
+      failed.reason =
+          name_of_place(network, cut) + " is cut " + short_text(network.branches[cut].length()) +
+          " from its junction, before its wall has left the other vessels': some of it meets the cut at a "
+          "flat angle";
+      failed.cure = "cut the vessel two radii or more from the junction";
+    } else if (failed.finding >= 0) {
       failed.reason = findings[failed.finding].text;
       failed.cure = findings[failed.finding].cure;
     } else if (place < 0) {

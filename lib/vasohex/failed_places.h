@@ -24,9 +24,10 @@ struct FailedPlace {
   std::string cure;            ///< what helps
 };
 
-/// All of them, that with the worst element first; none exactly if all elements are certified. The reason is a
-/// finding about a branch of that place, not more than 6 radii from the worst element, the nearest one; for linked
-/// junctions, of any branch within that distance. The mesh has to know what its elements belong to.
+/// All of them, that with the worst element first; none exactly if all elements are certified. The reason is that a
+/// vessel is cut next to its junction, if the worst element is there; otherwise a finding about a branch of that place,
+/// not more than 6 radii from the worst element, the nearest one, or one about any other within 2 radii; otherwise the
+/// shape of the place. The mesh has to know what its elements belong to.
 std::vector<FailedPlace> failed_places(const Network& network, const std::vector<Finding>& findings,
                                        const HexMesh& mesh, const QualityReport& quality);
 

@@ -101,6 +101,10 @@ SkeletonMesh mesh_lumen(const Skeleton& skeleton, const Lumen& lumen, const Skel
   out.network.repairs.insert(out.network.repairs.begin(), notes.begin(), notes.end());
   face_ends(out.network, lumen.ends, end_points);
   out.findings = diagnose(out.network);
+  std::erase_if(out.findings, [&](const Finding& f) {  // where the lumen is cut, a vessel ends
+    return f.kind == FindingKind::stub &&
+           std::find(end_points.begin(), end_points.end(), f.point) != end_points.end();
+  });
   const OwnFrame frame = own_frame(out.network);
   const MovedSurface surface(out.surface, frame.inverse());
   out.seconds["surface"] = seconds_since(start);
