@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -195,6 +196,52 @@ TEST_F(Files, PartsOfAllRanksAreTheWhole) {
         EXPECT_EQ(listed, expected);
       }
       EXPECT_EQ(seen, std::vector<int>(seen.size(), 1)) << "every element has one owner";
+    }
+  }
+}
+
+/// A surface moved to and fro along itself, within less than an element.
+class Rippled final : public ImplicitSurface {
+ public:
+  explicit Rippled(std::shared_ptr<const ImplicitSurface> smooth) : smooth_(std::move(smooth)) {}
+  double value(const Vec3& x) const override { return smooth_->value(moved(x)); }
+  double value(const Vec3& x, Vec3& gradient) const override {
+    Vec3 g;
+    const double v = smooth_->value(moved(x), g);
+    for (int d = 0; d < 3; ++d) {
+      gradient[d] = g[d] + kHigh * kWave * std::cos(kWave * x[d]) * g[(d + 2) % 3];
+    }
+    return v;
+  }
+  double radius(const Vec3& x) const override { return smooth_->radius(x); }
+
+ private:
+  static constexpr double kHigh = 0.12, kWave = 9;
+  static Vec3 moved(const Vec3& x) {
+    return x + kHigh * Vec3(std::sin(kWave * x.y()), std::sin(kWave * x.z()), std::sin(kWave * x.x()));
+  }
+  std::shared_ptr<const ImplicitSurface> smooth_;
+};
+
+TEST_F(Files, PartsFitWhereWallsAreRelaxed) {
+  for (const int elements : {1, 2, 5}) {
+    SCOPED_TRACE(elements);
+    const SkeletonMeshOptions options = options_of(4, elements);
+    const BlockFile file = block_file(mesh_skeleton(gallery::tube(60, 1), options), options);
+    const auto lumen = std::make_shared<Rippled>(make_surface(file));
+    const MeshResult result = mesh_blocks(file, file.grading, options.mesh, {}, lumen);
+    const HexMesh& whole = result.mesh;
+    EXPECT_GT(result.relaxed.nodes, 0);
+    const std::size_t per_element = whole.nodes_per_element();
+    for (int rank = 0; rank < 8; ++rank) {
+      const MeshPart part = mesh_part(file, file.grading, options.mesh, rank, 8, {}, lumen);
+      const HexMesh& mesh = part.result.mesh;
+      for (std::size_t e = 0; e < part.ids.size(); ++e) {
+        for (std::size_t i = 0; i < per_element; ++i) {
+          ASSERT_EQ(mesh.nodes[mesh.elements[e * per_element + i]],
+                    whole.nodes[whole.elements[part.ids[e] * per_element + i]]);
+        }
+      }
     }
   }
 }
