@@ -15,8 +15,9 @@
 namespace vasohex {
 namespace {
 
-constexpr double kTurnBack = 0.2;  // radians
-constexpr double kDeepest = 1;     // radii that an end is cut back
+constexpr double kTurnBack = 0.2;       // radians
+constexpr double kTurnBackLeft = 0.02;  // the same of the new rim
+constexpr double kDeepest = 1;          // radii that an end is cut back
 constexpr int kDepths = 10;
 constexpr double kFurthest = 4;     // radii around the end that the cut may touch
 constexpr double kSnap = 0.2;       // of an edge: nearer to the cut plane than that a point is moved onto it
@@ -200,7 +201,7 @@ void cut_ragged_ends(TriSurface& surface, std::vector<std::string>& repairs) {
       }
       const SurfaceEnd now = rim_end(cut.surface(), cut.rim());
       if (now.radius * now.radius > kLeastArea * end.radius * end.radius && now.normal.dot(end.normal) > 0 &&
-          turn_back(cut.surface(), cut.rim(), now) < kTurnBack) {
+          turn_back(cut.surface(), cut.rim(), now) < kTurnBackLeft) {
         surface = std::move(cut.surface());
         done = "cut back by " + short_text(depth);
         break;
