@@ -16,8 +16,8 @@ import sys
 import tempfile
 
 LUMENS = ["s01_aorta_iliac_vmr0110/demo.vtp", "s01_aorta_iliac_vmr0110/seqseg_6_steps.vtp",
-          "s02_carotid_stenosis/lumen.stl", "s02_carotid_stenosis/leftlumen_capped.stl", "s03_ica_tree/surface_mesh.vtk",
-          "s03_ica_tree/surface_mesh_stenosis.vtk", "s07_aneurysm_id1/id1_model.vtp",
+          "s02_carotid_stenosis/lumen.stl", "s02_carotid_stenosis/leftlumen_capped.stl",
+          "s03_ica_tree/surface_mesh.vtk", "s03_ica_tree/surface_mesh_stenosis.vtk", "s07_aneurysm_id1/id1_model.vtp",
           "s08_aneurysm_palabos/aneurysm.stl", "s08_aneurysm_palabos/aneurysm_marching.stl",
           "s11_six_branch_junction/bifurcation_Y.stl", "s11_six_branch_junction/SixBranch.stl",
           "s12_aortic_arch_gmsh/aorta2.stl"]
@@ -49,8 +49,8 @@ class Tools:
     def distances(self, surface, keys):
         if not self.referee:
             return [""] * len(keys)
-        out = subprocess.run(["/usr/bin/python3", self.referee, self.mesh_file, "--surface", surface, "--certify", "off"],
-                             capture_output=True, text=True)
+        out = subprocess.run(["/usr/bin/python3", self.referee, self.mesh_file, "--surface", surface, "--certify",
+                              "off"], capture_output=True, text=True)
         lines = dict(line.split(": ", 1) for line in out.stdout.splitlines() if ": " in line)
         return [f"{float(lines[k]):.4f}" if k in lines else "" for k in keys]
 
@@ -66,18 +66,19 @@ def lumen_row(tools, path, name, order, elements, failed):
     distance = tools.distances(path, ("wall_to_surface_mean", "surface_to_wall_p99"))
     linear, curved = j["quality"]["scaled_jacobian_linear"], j["quality"]["scaled_jacobian"]
     failed += [f"- {name}, order {order}: {f['text']}. Most likely: {f['reason']}." for f in j["not_certified"]]
-    return (f"| {name} | {order} | {j['elements']:,} | {not_certified(j)} | {curved['min']:.3f} | {linear['min']:.3f} | "
-            f"{linear['mean']:.3f} | {distance[0]} | {distance[1]} | {len(j['reach']['unreached'])} | "
+    return (f"| {name} | {order} | {j['elements']:,} | {not_certified(j)} | {curved['min']:.3f} | "
+            f"{linear['min']:.3f} | {linear['mean']:.3f} | "
+            f"{distance[0]} | {distance[1]} | {len(j['reach']['unreached'])} | "
             f"{j['seconds']['total']:.1f} |")
 
 
 def lumen_table(tools, data, elements, only):
     lines = [f"Published surfaces, one command each, {elements} elements per block edge. Scaled Jacobians are ours; "
-             "distances (in mean radii) are an independent referee's, of the whole mesh's wall to the facets and of the "
-             "facets' points to the wall. Not reached: places of the wall further than .15 local radii from the mesh; "
-             "`vasohex mesh` names them.", "",
-             "| lumen | order | hexes | not certified | scaled Jacobian min | straight-sided min | mean | wall to surface, "
-             "mean | surface to wall, 99 % | not reached | seconds |",
+             "distances (in mean radii) are an independent referee's, of the whole mesh's wall to the facets and of "
+             "the facets' points to the wall. Not reached: places of the wall further than .15 local radii from the "
+             "mesh; `vasohex mesh` names them.", "",
+             "| lumen | order | hexes | not certified | scaled Jacobian min | straight-sided min | "
+             "mean | wall to surface, mean | surface to wall, 99 % | not reached | seconds |",
              "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
     failed = []
     for lumen in LUMENS:
@@ -115,17 +116,20 @@ def synthaorta_row(tools, surface, skeleton, model, elements):
             return f"| {model} | {elements} | {best} |" + " |" * 6
         bad += not_certified(best)
         errors += tools.distances(surface, ("surface_to_wall_p99",))
-    return (f"| {model} | {elements} | {best['elements']:,} | {bad} | {best['quality']['scaled_jacobian']['min']:.3f} | "
+    return (f"| {model} | {elements} | {best['elements']:,} | {bad} | "
+            f"{best['quality']['scaled_jacobian']['min']:.3f} | "
             f"{alone['quality']['scaled_jacobian']['min']:.3f} | " + " | ".join(errors) + " |")
 
 
 def synthaorta_table(tools, data, folder):
     lines = ["## Surface and skeleton", "",
-             "Six aortas of SynthAorta: the skeleton, and the boundary of the authors' finest mesh as the lumen. Scaled "
-             f"Jacobians at order {max(ORDERS)}, beside those of the skeleton alone; elements not certified, summed over "
-             "the orders; distance of 99 % of the given surface's points to the wall (referee, in mean radii).", "",
+             "Six aortas of SynthAorta: the skeleton, and the boundary of the authors' finest mesh as the lumen. "
+             f"Scaled Jacobians at order {max(ORDERS)}, beside those of the skeleton alone; elements "
+             "not certified, summed over the orders; distance of 99 % of the given surface's points to the wall (referee, "
+             "in mean radii).", "",
              "| model | elements per edge | hexes | not certified | scaled Jacobian min | skeleton alone | "
-             + " | ".join(f"distance, order {p}" for p in ORDERS) + " |", "|--:|--:|--:|--:|--:|--:|" + "--:|" * len(ORDERS)]
+             + " | ".join(f"distance, order {p}" for p in ORDERS) + " |",
+             "|--:|--:|--:|--:|--:|--:|" + "--:|" * len(ORDERS)]
     data = os.path.join(data, SYNTHAORTA)
     for model in MODELS:
         surface = os.path.join(folder, f"{model}.obj")

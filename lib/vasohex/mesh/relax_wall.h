@@ -37,8 +37,8 @@ inline constexpr double kFoldedOnWall = 0.25;
 /// polynomials through them swing, and elements fold. There, and only there, the shifts within an element's face are
 /// led towards those between the face's corners (bilinear), as far as it takes to make the least scaled Jacobian of
 /// the elements behind the face kWeakOnWall, or as good as it gets; corners of elements stay on the surface. Where that
-/// leaves it below kFoldedOnWall, since the corners themselves were shifted too differently, all shifts of the face fade
-/// to nothing, again as far as it takes: the blocks are valid on their own. Same bytes for any number of threads.
+/// leaves it below kFoldedOnWall, since the corners themselves were shifted too differently, all shifts of the face
+/// fade to nothing, again as far as it takes: the blocks are valid on their own. Same bytes for any number of threads.
 /// \param wall_face [blocks] face that is wall, or -1
 /// \param shifts of all wall nodes
 RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
