@@ -16,7 +16,7 @@ namespace {
 constexpr double kFairJacobian = 0.5;
 constexpr int kLongSearch = 3;
 /// Below this no arrangement is given up before its end.
-constexpr double kPoorJacobian = 0.4;
+constexpr double kPatientBelow = 0.4;
 
 /// Hubs and how the arms of each are assigned to its cube's faces.
 struct Arrangement {
@@ -160,7 +160,7 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
     const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, kLongSearch * options.candidates);
     attempt_all(all);
     const int most = std::min({static_cast<int>(all.size()), options.candidates, 3});
-    for (int i = 0; i < most && !(best && best->solution.certified && best->solution.min_jacobian >= kPoorJacobian);
+    for (int i = 0; i < most && !(best && best->solution.certified && best->solution.min_jacobian >= kPatientBelow);
          ++i) {
       attempt(all[i], true);
     }
