@@ -125,12 +125,10 @@ bool same_places(const Cluster& a, const Cluster& b) {
 /// Clusters that failed, or nearly, are solved with their cubes and caps at other places, and the best is kept.
 void try_other_places(const Network& network, const ImplicitSurface& surface, const std::vector<Cluster>& clusters,
                       const BlockOptions& options, const Run& run, std::vector<ClusterResult>& solved) {
-  // less than where solve_cluster() gets patient: here each try is a whole search
+  // less than where solve_cluster() gets patient: here each try is a search of its own
   constexpr double kNearlyFailed = 0.35;
   constexpr double kAtNode = std::numeric_limits<double>::infinity();
   constexpr std::array<Placement, 5> kPlaces{{{1, 0.5}, {0.3, 0}, {-0.5, 0}, {kAtNode, 0}, {kAtNode, 0.5}}};
-  BlockOptions fewer = options;
-  fewer.candidates = std::min(options.candidates, 2);
   for (const Placement& placement : kPlaces) {
     std::vector<std::size_t> failed;
     for (std::size_t c = 0; c < clusters.size(); ++c) {
@@ -148,8 +146,10 @@ void try_other_places(const Network& network, const ImplicitSurface& surface, co
         if (same_places(now, clusters[failed[i]])) {
           continue;
         }
-        ClusterResult r = solve_cluster(*surface.part(stretches_of(network, now)), now, fewer);
         ClusterResult& best = solved[failed[i]];
+        BlockOptions fewer = options;
+        fewer.candidates = std::min(options.candidates, is_hopeless(best) ? 1 : 2);
+        ClusterResult r = try_cluster(*surface.part(stretches_of(network, now)), now, fewer);
         const int candidates = best.candidates + r.candidates;
         const double cpu_seconds = best.cpu_seconds + r.cpu_seconds;
         if (r.solution.is_better_than(best.solution)) {
