@@ -158,20 +158,25 @@ TEST(Mesh, OfLowOrderIsBetterThanOneOfBlocksForAnyOrder) {
   }
 }
 
-TEST(FailedPlaces, AreNamedWithTheNearestFinding) {
-  SkeletonMesh m = mesh_skeleton(gallery::linked(6), with(1, 2));
-  HexMesh& mesh = m.result.mesh;
-  EXPECT_TRUE(failed_places(m.network, m.findings, mesh, measure_quality(mesh)).empty());
-  // turn the first element of each place inside out
+/// Turns the first element of each place inside out. Returns these elements.
+std::map<int, int> turn_inside_out(HexMesh& mesh) {
   std::map<int, int> first;
   for (int e = 0; e < mesh.element_count(); ++e) {
     first.try_emplace(mesh.element_branch[e], e);
   }
-  ASSERT_EQ(first.size(), 7u);  // two junctions, five branches
   for (const auto& [place, e] : first) {
     std::swap_ranges(mesh.elements.begin() + 8 * e, mesh.elements.begin() + 8 * e + 4,
                      mesh.elements.begin() + 8 * e + 4);
   }
+  return first;
+}
+
+TEST(FailedPlaces, AreNamedWithTheNearestFinding) {
+  SkeletonMesh m = mesh_skeleton(gallery::linked(6), with(1, 2));
+  HexMesh& mesh = m.result.mesh;
+  EXPECT_TRUE(failed_places(m.network, m.findings, mesh, measure_quality(mesh)).empty());
+  const std::map<int, int> first = turn_inside_out(mesh);
+  ASSERT_EQ(first.size(), 7u);  // two junctions, five branches
   Finding bend;
   bend.kind = FindingKind::sharp_bend;
   bend.branches = {3, -1};
@@ -216,6 +221,30 @@ TEST(FailedPlaces, AreNamedWithTheNearestFinding) {
   ASSERT_NE(f, cut.end());
   EXPECT_NE(f->reason.find("is cut"), std::string::npos) << f->reason;
   EXPECT_EQ(f->finding, -1);
+}
+
+TEST(FailedPlaces, SayHowFarBranchesRunSideBySide) {
+  for (const double angle : {12.0, 90.0}) {
+    SCOPED_TRACE(angle);
+    SkeletonMesh m = mesh_skeleton(gallery::fork(angle, 1, 1, 0), with(1, 2));
+    turn_inside_out(m.result.mesh);
+    int junctions = 0;
+    for (const FailedPlace& f : failed_places(m.network, {}, m.result.mesh, measure_quality(m.result.mesh))) {
+      if (f.place >= 0) {
+        continue;
+      }
+      ++junctions;
+      const std::size_t at = f.reason.find("in one tube up to ");
+      EXPECT_EQ(f.cure.starts_with("move the junction"), angle < 90) << f.cure;
+      ASSERT_EQ(at != std::string::npos, angle < 90) << f.reason;
+      if (angle < 90) {
+        // straight tubes of radius 1 part where the axes are 2 apart
+        const double parting = 1 / std::sin(angle / 2 * std::numbers::pi / 180);
+        EXPECT_NEAR(std::stod(f.reason.substr(at + 18)), parting, 0.1 * parting) << f.reason;
+      }
+    }
+    EXPECT_EQ(junctions, 1);
+  }
 }
 
 TEST(Mesh, IsTheSameForAnyNumberOfThreads) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "vasohex/blocks/arm_axis.h"
 #include "vasohex/core/short_text.h"
 
 namespace vasohex {
@@ -71,7 +72,29 @@ int nearest_finding(const Network& network, const std::vector<Finding>& findings
   return nearest;
 }
 
-/// What a junction looks like: of its branches the narrowest angle and the radii, and how near the next junction is.
+constexpr double kPartLate = 4;  // radii: block layouts whose cubes stand at the junction have to reach as far
+
+/// The axis of the branch from one of its ends on.
+ArmAxis axis_from(const Branch& branch, int end) {
+  const ArmAxis axis{branch.points, branch.radii};
+  return end == 0 ? axis : reversed(axis);
+}
+
+/// How far from the junction, in its radii, the tubes of two of its branches still overlap, at most.
+double latest_parting(const Network& network, int n) {
+  const std::vector<BranchEnd> ends = branch_ends(network)[n];
+  double latest = 0;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const ArmAxis axis = axis_from(network.branches[ends[i].branch], ends[i].end);
+    for (std::size_t j = i + 1; j < ends.size(); ++j) {
+      latest = std::max(latest, parting_length(axis, axis_from(network.branches[ends[j].branch], ends[j].end)));
+    }
+  }
+  return latest / network.nodes[n].radius;
+}
+
+/// What a junction looks like: of its branches the narrowest angle and the radii, where the last two part, and how
+/// near the next junction is.
 std::string shape_of(const Network& network, int n) {
   const NetworkNode& node = network.nodes[n];
   std::vector<Vec3> directions;
@@ -98,6 +121,9 @@ std::string shape_of(const Network& network, int n) {
                      " branches, two radii from the junction " +
                      short_text(std::round(narrowest * 180 / std::numbers::pi)) + " degrees apart at least, radii " +
                      short_text(thin) + " to " + short_text(wide);
+  if (const double parting = latest_parting(network, n); parting > kPartLate) {
+    text += ", two of them in one tube up to " + rounded(parting) + " radii from it";
+  }
   if (std::isfinite(near)) {
     text += ", the next junction " + rounded(near) + " radii away";
   }
@@ -146,7 +172,9 @@ std::vector<FailedPlace> failed_places(const Network& network, const std::vector
       failed.cure = findings[failed.finding].cure;
     } else if (place < 0) {
       failed.reason = shape_of(network, -1 - place);
-      failed.cure = "check the points and radii there; junctions that are one make one point";
+      failed.cure = latest_parting(network, -1 - place) > kPartLate
+                        ? "move the junction to where its branches part, or lower their radii up to there"
+                        : "check the points and radii there; junctions that are one make one point";
     } else {
       failed.reason = "its blocks follow points and radii that change too fast there";
       failed.cure = "check the points and radii there, or smooth them";

@@ -1,6 +1,7 @@
 #include "vasohex/blocks/build_blocks.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -113,6 +114,54 @@ class Assembly {
   std::vector<Vec3> lattices_;  ///< [blocks][kBlockNodes]
 };
 
+/// Whether no cube and no cap of the cluster stands elsewhere.
+bool same_places(const Cluster& a, const Cluster& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), [](const Hub& x, const Hub& y) {
+    return x.centre == y.centre && std::equal(x.arms.begin(), x.arms.end(), y.arms.begin(),
+                                              [](const Arm& p, const Arm& q) { return p.cap == q.cap; });
+  });
+}
+
+/// Clusters that failed, or nearly, are solved with their cubes and caps at other places, and the best is kept.
+void try_other_places(const Network& network, const ImplicitSurface& surface, const std::vector<Cluster>& clusters,
+                      const BlockOptions& options, const Run& run, std::vector<ClusterResult>& solved) {
+  // less than where solve_cluster() gets patient: here each try is a search of its own
+  constexpr double kNearlyFailed = 0.35;
+  constexpr double kAtNode = std::numeric_limits<double>::infinity();
+  constexpr std::array<Placement, 5> kPlaces{{{1, 0.5}, {0.3, 0}, {-0.5, 0}, {kAtNode, 0}, {kAtNode, 0.5}}};
+  for (const Placement& placement : kPlaces) {
+    std::vector<std::size_t> failed;
+    for (std::size_t c = 0; c < clusters.size(); ++c) {
+      if (!solved[c].solution.certified || solved[c].solution.min_jacobian < kNearlyFailed) {
+        failed.push_back(c);
+      }
+    }
+    if (failed.empty()) {
+      break;
+    }
+    const std::vector<Cluster> moved = find_clusters(network, surface, placement);
+    parallel_for(run, failed.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Cluster& now = moved[failed[i]];
+        if (same_places(now, clusters[failed[i]])) {
+          continue;
+        }
+        ClusterResult& best = solved[failed[i]];
+        BlockOptions fewer = options;
+        fewer.candidates = std::min(options.candidates, is_hopeless(best) ? 1 : 2);
+        ClusterResult r = try_cluster(*surface.part(stretches_of(network, now)), now, fewer);
+        const int candidates = best.candidates + r.candidates;
+        const double cpu_seconds = best.cpu_seconds + r.cpu_seconds;
+        if (r.solution.is_better_than(best.solution)) {
+          best = std::move(r);
+        }
+        best.candidates = candidates;
+        best.cpu_seconds = cpu_seconds;
+      }
+    });
+  }
+}
+
 }  // namespace
 
 void clear_ends(Network& network) {
@@ -186,44 +235,7 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
     }
   });
 
-  // Other places for the cubes and caps of those that failed, or nearly
-  constexpr double kPoorJacobian = 0.35;
-  constexpr double kAtNode = std::numeric_limits<double>::infinity();
-  BlockOptions fewer = options;
-  fewer.candidates = std::min(options.candidates, 2);
-  for (const Placement placement : {Placement{1, 0.5}, {0.3, 0}, {-0.5, 0}, {kAtNode, 0}, {kAtNode, 0.5}}) {
-    std::vector<std::size_t> failed;
-    for (std::size_t c = 0; c < clusters.size(); ++c) {
-      if (!solved[c].solution.certified || solved[c].solution.min_jacobian < kPoorJacobian) {
-        failed.push_back(c);
-      }
-    }
-    if (failed.empty()) {
-      break;
-    }
-    const std::vector<Cluster> moved = find_clusters(network, surface, placement);
-    parallel_for(run, failed.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const Cluster &before = clusters[failed[i]], &now = moved[failed[i]];
-        const auto is_there = [](const Hub& a, const Hub& b) {
-          return a.centre == b.centre && std::equal(a.arms.begin(), a.arms.end(), b.arms.begin(),
-                                                    [](const Arm& x, const Arm& y) { return x.cap == y.cap; });
-        };
-        if (!std::equal(now.begin(), now.end(), before.begin(), is_there)) {
-          ClusterResult r = solve_cluster(*surface.part(stretches_of(network, now)), now, fewer);
-          ClusterResult& best = solved[failed[i]];
-          r.candidates += best.candidates;
-          r.cpu_seconds += best.cpu_seconds;
-          if (r.solution.is_better_than(best.solution)) {
-            best = std::move(r);
-          } else {
-            best.candidates = r.candidates;
-            best.cpu_seconds = r.cpu_seconds;
-          }
-        }
-      }
-    });
-  }
+  try_other_places(network, surface, clusters, options, run, solved);
 
   BlockStructure out;
   out.optimise_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

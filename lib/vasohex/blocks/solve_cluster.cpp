@@ -15,8 +15,11 @@ namespace {
 /// three times as many.
 constexpr double kFairJacobian = 0.5;
 constexpr int kLongSearch = 3;
-/// Below this no arrangement is given up before its end.
-constexpr double kPoorJacobian = 0.4;
+/// Below this so many arrangements are not given up before their end,
+constexpr double kPatientBelow = 0.4;
+constexpr int kMostPatient = 3;
+/// unless the first of them ends as folded as this: the next ones did, too, and they take longest.
+constexpr double kHopeless = -0.5;
 
 /// Hubs and how the arms of each are assigned to its cube's faces.
 struct Arrangement {
@@ -116,85 +119,136 @@ Arrangement first_arrangement(const ImplicitSurface& surface, const Cluster& clu
   return first;
 }
 
-}  // namespace
+/// The best arrangement found so far, and the steps that look for a better one.
+class Search {
+ public:
+  Search(const ImplicitSurface& surface, const BlockOptions& options) : surface_(surface), options_(options) {}
 
-ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options) {
-  const double start = thread_cpu_seconds();
-  std::optional<ClusterResult> best;
-  int tried = 0;
-  const auto is_good = [&] {
-    return best && best->solution.certified && best->solution.min_jacobian >= options.good_jacobian;
-  };
-  const auto attempt = [&](const Arrangement& arrangement, bool patient) {
+  /// Optimises the arrangement; unless `patient`, only while it looks promising. Returns the least scaled Jacobian
+  /// that it came to, if any.
+  std::optional<double> attempt(const Arrangement& arrangement, bool patient) {
     ClusterResult r;
     r.cluster = arrangement.cluster;
     r.assignments = arrangement.assignments;
-    r.blocks = cluster_blocks(surface, r.cluster, r.assignments);
-    ++tried;
+    r.blocks = cluster_blocks(surface_, r.cluster, r.assignments);
+    ++tried_;
     if (patient) {
       r.solution = optimise_blocks(r.blocks.problem);
     } else if (auto solution = try_blocks(r.blocks.problem)) {
       r.solution = std::move(*solution);
     } else {
+      return {};
+    }
+    const double least = r.solution.min_jacobian;
+    if (!best_ || r.solution.is_better_than(best_->solution)) {
+      best_ = std::move(r);
+    }
+    return least;
+  }
+
+  /// Other arrangements of a junction alone; while none is fair, up to `most_patient` of them to their end.
+  void arrange_alone(const Cluster& cluster, int most_patient) {
+    if (cluster.size() > 1 || is_good()) {
       return;
     }
-    if (!best || r.solution.is_better_than(best->solution)) {
-      best = std::move(r);
+    const std::vector<Arrangement> all =
+        arrangements(surface_, {cluster, {{}}}, 0, kLongSearch * std::max(1, options_.candidates));
+    attempt_all(all);
+    const int most = std::min(static_cast<int>(all.size()), most_patient);
+    for (int i = 0; i < most && !reached(kPatientBelow); ++i) {
+      if (*attempt(all[i], true) < kHopeless) {
+        break;
+      }
     }
-  };
-  const auto attempt_all = [&](const std::vector<Arrangement>& all) {
+  }
+
+  /// Of several hubs the weakest is arranged anew, then the next.
+  void rearrange_weakest(int most_rounds) {
+    std::vector<char> done(best_ ? best_->cluster.size() : 0, 0);
+    for (int round = 0; round < most_rounds && done.size() > 1 && !is_good(); ++round) {
+      const std::vector<double> least = least_of_hubs(*best_);
+      std::optional<int> weakest;
+      for (int h = 0; h < static_cast<int>(least.size()); ++h) {
+        if (!done[h] && least[h] < options_.good_jacobian && (!weakest || least[h] < least[*weakest])) {
+          weakest = h;
+        }
+      }
+      if (!weakest) {
+        break;
+      }
+      const Arrangement now{best_->cluster, best_->assignments};
+      // each try costs as much as all of the cluster
+      const int hubs = std::max(2, static_cast<int>(now.cluster.size()));
+      attempt_all(arrangements(surface_, now, *weakest, std::max(3, 2 * kLongSearch * options_.candidates / hubs)));
+      if (best_->cluster.size() < now.cluster.size()) {
+        done.assign(best_->cluster.size(), 0);  // two hubs became one: the numbers are new
+      } else {
+        done.resize(best_->cluster.size(), 1);
+        done[*weakest] = 1;
+      }
+    }
+  }
+
+  /// The best, fitted to the mesh that is asked for; one without blocks if no attempt came to an end.
+  ClusterResult result() {
+    if (!best_) {
+      best_.emplace();
+    } else {
+      best_->blocks.problem.mesh = options_.mesh;
+      best_->solution = fit_to_mesh(best_->blocks.problem, std::move(best_->solution));
+    }
+    best_->candidates = tried_;
+    best_->cpu_seconds = thread_cpu_seconds() - start_;
+    return std::move(*best_);
+  }
+
+ private:
+  bool reached(double least) const {
+    return best_ && best_->solution.certified && best_->solution.min_jacobian >= least;
+  }
+  bool is_good() const { return reached(options_.good_jacobian); }
+  void attempt_all(const std::vector<Arrangement>& all) {
     for (int i = 0; i < static_cast<int>(all.size()) && !is_good(); ++i) {
-      if (i >= options.candidates && best && best->solution.certified &&
-          best->solution.min_jacobian >= kFairJacobian) {
+      if (i >= options_.candidates && reached(kFairJacobian)) {
         break;
       }
       attempt(all[i], false);
     }
-  };
+  }
+
+  const ImplicitSurface& surface_;
+  const BlockOptions& options_;
+  const double start_ = thread_cpu_seconds();
+  std::optional<ClusterResult> best_;
+  int tried_ = 0;
+};
+
+}  // namespace
+
+ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options) {
+  Search search(surface, options);
   const bool alone = cluster.size() == 1;
-  const bool fits = !alone || cluster.front().arms.size() <= kCubeArms;
-  if (fits) {
-    attempt(first_arrangement(surface, cluster), !alone);
+  if (!alone || cluster.front().arms.size() <= kCubeArms) {
+    search.attempt(first_arrangement(surface, cluster), !alone);
   }
-  if (alone && !is_good()) {
-    const std::vector<Arrangement> all = arrangements(surface, {cluster, {{}}}, 0, kLongSearch * options.candidates);
-    attempt_all(all);
-    const int most = std::min({static_cast<int>(all.size()), options.candidates, 3});
-    for (int i = 0; i < most && !(best && best->solution.certified && best->solution.min_jacobian >= kPoorJacobian);
-         ++i) {
-      attempt(all[i], true);
-    }
+  search.arrange_alone(cluster, std::clamp(options.candidates, 1, kMostPatient));
+  search.rearrange_weakest(std::min(6, options.candidates));
+  return search.result();
+}
+
+ClusterResult try_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options) {
+  Search search(surface, options);
+  const bool thorough = options.candidates > 1;
+  search.attempt(first_arrangement(surface, cluster), thorough && cluster.size() > 1);
+  if (thorough) {
+    search.arrange_alone(cluster, 0);
+    search.rearrange_weakest(1);
   }
-  // Of several hubs the weakest is arranged anew, then the next.
-  const int most_rounds = std::min(6, options.candidates);
-  std::vector<char> done(best->cluster.size(), 0);
-  for (int round = 0; round < most_rounds && best->cluster.size() > 1 && !is_good(); ++round) {
-    const std::vector<double> least = least_of_hubs(*best);
-    std::optional<int> weakest;
-    for (int h = 0; h < static_cast<int>(least.size()); ++h) {
-      if (!done[h] && least[h] < options.good_jacobian && (!weakest || least[h] < least[*weakest])) {
-        weakest = h;
-      }
-    }
-    if (!weakest) {
-      break;
-    }
-    const Arrangement now{best->cluster, best->assignments};
-    // each try costs as much as all of the cluster
-    const int hubs = std::max(2, static_cast<int>(now.cluster.size()));
-    attempt_all(arrangements(surface, now, *weakest, std::max(3, 2 * kLongSearch * options.candidates / hubs)));
-    if (best->cluster.size() < now.cluster.size()) {
-      done.assign(best->cluster.size(), 0);  // two hubs became one: the numbers are new
-    } else {
-      done.resize(best->cluster.size(), 1);
-      done[*weakest] = 1;
-    }
-  }
-  best->blocks.problem.mesh = options.mesh;
-  best->solution = fit_to_mesh(best->blocks.problem, std::move(best->solution));
-  best->candidates = tried;
-  best->cpu_seconds = thread_cpu_seconds() - start;
-  return std::move(*best);
+  return search.result();
+}
+
+bool is_hopeless(const ClusterResult& result) {
+  return !result.solution.certified && result.solution.min_jacobian < kHopeless;
 }
 
 }  // namespace vasohex

@@ -23,4 +23,12 @@ struct ClusterResult {
 /// there. Returns the best. Deterministic.
 ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options);
 
+/// A first look at the same cluster with cubes and caps elsewhere: with one candidate its first arrangement alone;
+/// with more, others while they look promising, and of several hubs the weakest anew. The result has no blocks, and
+/// is not better than any other, if nothing looked promising. Deterministic.
+ClusterResult try_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options);
+
+/// Whether the search ended so folded that a long one elsewhere has not helped in any network seen.
+bool is_hopeless(const ClusterResult& result);
+
 }  // namespace vasohex

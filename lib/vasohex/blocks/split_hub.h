@@ -18,7 +18,8 @@ inline constexpr int kCubeArms = 6;
 std::vector<Cluster> split_hub(const Cluster& cluster, int h);
 
 /// Clusters in which hub `h` and one that a link shorter than three radii leads to are one hub, in the middle
-/// between them, with the arms of both; where both link to a third hub they stay two. It stands at the lesser of the two places.
+/// between them, with the arms of both; where both link to a third hub they stay two. It stands at the lesser of the
+/// two places.
 std::vector<std::pair<Cluster, int>> merge_hub(const Cluster& cluster, int h);
 
 }  // namespace vasohex

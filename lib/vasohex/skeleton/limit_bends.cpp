@@ -234,9 +234,10 @@ struct Relaxed {
 
 Relaxed relaxed(const SpaceSpline& curve, const std::vector<double>& radii, const std::vector<bool>& fixed,
                 bool closed) {
+  const String before = beads_along(curve, radii, fixed, closed);
   std::vector<MovedRun> left;
   for (;;) {
-    Relaxed result{beads_along(curve, radii, fixed, closed), {}};
+    Relaxed result{before, {}};
     for (Bead& bead : result.string.beads) {
       bead.fixed |= std::any_of(left.begin(), left.end(), [&](const MovedRun& run) {
         return run.first - 1e-9 < bead.place && bead.place < run.last + 1e-9;
@@ -248,7 +249,6 @@ Relaxed relaxed(const SpaceSpline& curve, const std::vector<double>& radii, cons
     }
     result.runs = runs_of(result.string, curve.t.size());
     // beads that became one have forgotten where they came from
-    const String before = beads_along(curve, radii, fixed, closed);
     for (MovedRun& run : result.runs) {
       for (const Bead& old : before.beads) {
         if (old.place < run.first || old.place > run.last) {
