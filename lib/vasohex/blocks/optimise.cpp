@@ -83,7 +83,8 @@ constexpr double kLooksGood = 0.75;
 /// Solvers that take elements with straight sides, and visualisation, use the corners alone. With nothing to hold
 /// them, these elements lose what the curved ones gain.
 constexpr double kStraightAllowance = 0.1;
-constexpr int kStraightElements = 4;  ///< of a block edge, where the mesh has more or is not known
+constexpr double kCoarseStraightAllowance = 0.2;  ///< where curved elements are large, straight ones are others
+constexpr int kStraightElements = 4;              ///< of a block edge: with fewer they are bad however the blocks are
 
 /// How much less than the scaled Jacobian of a coarse mesh that of its blocks may be.
 constexpr double kGuardAllowance = 0.4;
@@ -93,6 +94,8 @@ bool is_coarse(const MeshDivision& mesh) { return mesh_tables(block_nodes_1d(), 
 
 /// Scaled Jacobian above which blocks gain no more by moving. [measured: .75 leaves junctions of three at .78]
 constexpr double kJacobianGoal = 0.85;
+/// Scaled Jacobians this much above the least are raised with it.
+constexpr double kAimHigher = 0.1;
 
 class Optimiser {
  public:
@@ -155,7 +158,7 @@ class Optimiser {
     return solution;
   }
 
-  /// Degree 4, from the nodes of a solution: for the elements of problem.mesh.
+  /// Degree 4, from the nodes of a solution: for the elements of problem.mesh. Aims kAimHigher than it starts.
   BlockSolution fit_to_mesh(const BlockSolution& start) {
     adopt(start.nodes);
     EnergyTerms terms;
@@ -165,7 +168,7 @@ class Optimiser {
     terms.power = 16;
     terms.shape_weight = 0.01;
     terms.jacobian_weight = 1;
-    terms.jacobian_goal = std::max(now.min_jacobian + 0.1, -0.5);
+    terms.jacobian_goal = std::max(now.min_jacobian + kAimHigher, -0.5);
     minimise_here(terms, 120, 3e-4, 24);
     return judge();
   }
@@ -211,10 +214,10 @@ class Optimiser {
       return mesh_tables(nodes, mesh).value_or(equispaced_tables(nodes, samples));
     })};
     if (mesh.order != 1) {
-      const MeshDivision straight{1, mesh.order > 0 ? std::min(mesh.elements, kStraightElements) : kStraightElements};
+      const MeshDivision straight{1, kStraightElements};
       all.push_back(
           blocks_.projected(shifts, [&](const std::vector<double>& nodes) { return *mesh_tables(nodes, straight); }));
-      all.back().allowance = kStraightAllowance;
+      all.back().allowance = is_coarse(mesh) ? kCoarseStraightAllowance : kStraightAllowance;
     }
     return all;
   }
@@ -306,7 +309,7 @@ class Optimiser {
     terms.shape_weight = shape_weight;
     terms.jacobian_weight = 1;
     terms.power = power;
-    terms.jacobian_goal = std::clamp(now.min_jacobian + 0.1, -0.5, kJacobianGoal);
+    terms.jacobian_goal = std::clamp(now.min_jacobian + kAimHigher, -0.5, kJacobianGoal);
     minimise_here(terms, iterations, 3e-4, patience);
   }
 
@@ -365,6 +368,14 @@ BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start) {
     return start;
   }
   BlockSolution fitted = optimiser.fit_to_mesh(start);
+  // the aim of a bad start is soon left behind
+  for (double from = start.min_jacobian; fitted.certified && fitted.min_jacobian > from + kAimHigher;) {
+    BlockSolution next = optimiser.fit_to_mesh(fitted);
+    from = fitted.min_jacobian;
+    if (next.is_better_than(fitted)) {
+      fitted = std::move(next);
+    }
+  }
   for (double part = 0.5; part > 0.2 && !fitted.certified; part *= 0.5) {
     fitted = optimiser.judge_between(start.nodes, fitted.nodes, part);
   }
