@@ -50,7 +50,7 @@ struct BlockProblem {
 struct BlockSolution {
   std::vector<Vec3> nodes;  ///< [blocks][kBlockNodes] control points, i fastest; shared ones are equal
   /// Least scaled Jacobian of a mesh whose wall is projected: of the elements of problem.mesh where they differ from
-  /// the blocks. Never far above that of the blocks themselves.
+  /// the blocks. Never far above that of the blocks themselves and of straight-sided elements.
   double min_jacobian = -1;
   bool certified = false;  ///< every block's Jacobian determinant is positive everywhere (Bernstein bound)
 
