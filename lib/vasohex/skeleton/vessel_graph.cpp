@@ -60,10 +60,6 @@ void merge_near_junctions(ChainGraph& graph) {
   }
 }
 
-double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
-  return (a + nearest_on_segment(x, a, b) * (b - a) - x).norm();
-}
-
 }  // namespace
 
 VesselGraph split_into_vessels(const CurveGraph& curves, const SizedLumen& sized, const ClosedLumen& lumen,

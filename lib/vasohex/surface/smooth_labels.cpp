@@ -101,11 +101,6 @@ Bounds bounds_of(float centre_distance, double margin, double largest) {
   return centre_distance < 0 ? Bounds{-d, -least} : Bounds{least, d};
 }
 
-/// Distance of a point to a straight line between two others.
-double distance_to_line(const Vec3& x, const Vec3& a, const Vec3& b) {
-  return (x - a - nearest_on_segment(x, a, b) * (b - a)).norm();
-}
-
 /// Lowers the bounds such that tubes of `radius` along the axis are inside.
 void keep_axis(const LabelVolume& volume, const std::vector<std::array<std::size_t, 2>>& axis, double radius,
                const std::vector<int>& node_at, std::vector<Bounds>& bounds) {
@@ -118,7 +113,7 @@ void keep_axis(const LabelVolume& volume, const std::vector<std::array<std::size
       for (int j = std::min(a[1], b[1]) - 1; j <= std::max(a[1], b[1]) + 1; ++j) {
         for (int i = std::min(a[0], b[0]) - 1; i <= std::max(a[0], b[0]) + 1; ++i) {
           const int node = node_at[volume.index(i, j, k)];
-          const auto most = static_cast<float>(distance_to_line(place({i, j, k}), place(a), place(b)) - radius);
+          const auto most = static_cast<float>(distance_to_segment(place({i, j, k}), place(a), place(b)) - radius);
           if (node >= 0 && most < bounds[node].high) {
             bounds[node].high = most;
             bounds[node].low = std::min(bounds[node].low, most);
