@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <unordered_map>
+#include <unordered_set>
 
 #include "vasohex/core/short_text.h"
 #include "vasohex/surface/half_edges.h"
@@ -109,7 +109,7 @@ class Cut {
           const Vec3 at = (1 - s) * out_.points[a] + s * out_.points[b];
           const int point = s < kSnap ? a : b;
           out_.points[point] = at;
-          snapped_[point] = 1;
+          snapped_.insert(point);
         }
       }
     }
@@ -177,7 +177,7 @@ class Cut {
   const SurfaceEnd& end_;
   double depth_;
   std::vector<int> members_;
-  std::unordered_map<int, char> snapped_;
+  std::unordered_set<int> snapped_;
   std::map<std::pair<int, int>, int> cuts_;
   std::vector<int> rim_;
   bool ok_ = false;
