@@ -30,16 +30,13 @@ kernel::DistortionOutput distortion_of(const std::vector<Vec3>& nodes, int degre
   std::vector<int> ids(nodes.size());
   std::iota(ids.begin(), ids.end(), 0);
   kernel::DistortionInput in;
+  look_at(samples, in);
   in.degree = degree;
-  in.samples = samples.tables.samples;
-  in.value = samples.tables.value.data();
-  in.slope = samples.tables.slope.data();
   in.blocks = static_cast<int>(inverse_length.size()) / 3;
   in.ids = ids.data();
   in.nodes = nodes.data()->data();
   in.inverse_length = inverse_length.data();
   in.epsilon = epsilon;
-  in.added = samples.added.empty() ? nullptr : samples.added.data();
   return kernel::distortion(in, nullptr);
 }
 
@@ -101,6 +98,7 @@ class Optimiser {
  public:
   Optimiser(const BlockProblem& problem)
       : problem_(problem),
+        coarse_(is_coarse(problem.mesh)),
         topology_(build_topology(static_cast<int>(problem.vertices.size()), problem.blocks)),
         blocks_(problem, topology_, 2) {}
 
@@ -217,7 +215,7 @@ class Optimiser {
       const MeshDivision straight{1, kStraightElements};
       all.push_back(
           blocks_.projected(shifts, [&](const std::vector<double>& nodes) { return *mesh_tables(nodes, straight); }));
-      all.back().allowance = is_coarse(mesh) ? kCoarseStraightAllowance : kStraightAllowance;
+      all.back().allowance = coarse_ ? kCoarseStraightAllowance : kStraightAllowance;
     }
     return all;
   }
@@ -231,10 +229,10 @@ class Optimiser {
     const double of_blocks = least_jacobian(s.nodes);
     const std::vector<Vec3> shifts = blocks_.wall_shifts();
     double of_mesh = least_at(s.nodes, mesh_samples(shifts, kFewSamples));
-    if (of_mesh < kLooksGood) {
+    if (of_mesh < kLooksGood && !coarse_) {
       of_mesh = least_at(s.nodes, mesh_samples(shifts, kMeshSamples));
     }
-    s.min_jacobian = std::min(of_mesh, of_blocks + (is_coarse(problem_.mesh) ? kGuardAllowance : 0.1));
+    s.min_jacobian = std::min(of_mesh, of_blocks + (coarse_ ? kGuardAllowance : 0.1));
     s.certified = of_blocks > 0 && all_certified(s.nodes);
     return s;
   }
@@ -314,6 +312,7 @@ class Optimiser {
   }
 
   const BlockProblem& problem_;
+  bool coarse_;  ///< problem.mesh
   BlockTopology topology_;
   PolynomialBlocks blocks_;
   std::optional<Preconditioner> preconditioner_;  ///< of the blocks' degree and target lengths, while they last

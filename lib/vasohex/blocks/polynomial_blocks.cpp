@@ -225,10 +225,7 @@ Energy PolynomialBlocks::energy(const Points& y, const EnergyTerms& terms, Point
   in.power = terms.power;
   Energy e;
   for (const Samples& s : terms.samples) {
-    in.samples = s.tables.samples;
-    in.value = s.tables.value.data();
-    in.slope = s.tables.slope.data();
-    in.added = s.added.empty() ? nullptr : s.added.data();
+    look_at(s, in);
     in.jacobian_goal = terms.jacobian_goal - s.allowance;
     const kernel::DistortionOutput out = kernel::distortion(in, gradient ? gradient->data() : nullptr);
     e.value += out.energy;

@@ -1,7 +1,5 @@
 #include "vasohex/blocks/samples.h"
 
-#include "vasohex/blocks/energy_kernel.h"
-
 namespace vasohex {
 
 std::optional<SampleTables> mesh_tables(const std::vector<double>& nodes, const MeshDivision& mesh) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "vasohex/blocks/energy_kernel.h"
 #include "vasohex/blocks/optimise.h"
 #include "vasohex/core/node_family.h"
 
@@ -31,5 +32,13 @@ struct Samples {
   std::vector<double> added;
   double allowance = 0;  ///< how much less than elsewhere scaled Jacobians may be here
 };
+
+/// Lets the kernel look at the samples, which must outlive it.
+inline void look_at(const Samples& samples, kernel::DistortionInput& in) {
+  in.samples = samples.tables.samples;
+  in.value = samples.tables.value.data();
+  in.slope = samples.tables.slope.data();
+  in.added = samples.added.empty() ? nullptr : samples.added.data();
+}
 
 }  // namespace vasohex
