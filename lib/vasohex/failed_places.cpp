@@ -81,8 +81,7 @@ ArmAxis axis_from(const Branch& branch, int end) {
 }
 
 /// How far from the junction, in its radii, the tubes of two of its branches still overlap, at most.
-double latest_parting(const Network& network, int n) {
-  const std::vector<BranchEnd> ends = branch_ends(network)[n];
+double latest_parting(const Network& network, int n, const std::vector<BranchEnd>& ends) {
   double latest = 0;
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const ArmAxis axis = axis_from(network.branches[ends[i].branch], ends[i].end);
@@ -93,13 +92,12 @@ double latest_parting(const Network& network, int n) {
   return latest / network.nodes[n].radius;
 }
 
-/// What a junction looks like: of its branches the narrowest angle and the radii, where the last two part, and how
-/// near the next junction is.
-std::string shape_of(const Network& network, int n) {
+/// What a junction looks like: of its branches the narrowest angle and the radii, where the last two part, at
+/// `parting`, and how near the next junction is.
+std::string shape_of(const Network& network, int n, const std::vector<BranchEnd>& ends, double parting) {
   const NetworkNode& node = network.nodes[n];
   std::vector<Vec3> directions;
   double thin = std::numeric_limits<double>::infinity(), wide = 0, near = std::numeric_limits<double>::infinity();
-  const std::vector<BranchEnd> ends = branch_ends(network)[n];
   for (const BranchEnd& end : ends) {
     const Branch& b = network.branches[end.branch];
     const double s = std::min(2 * node.radius, b.length());
@@ -121,7 +119,7 @@ std::string shape_of(const Network& network, int n) {
                      " branches, two radii from the junction " +
                      short_text(std::round(narrowest * 180 / std::numbers::pi)) + " degrees apart at least, radii " +
                      short_text(thin) + " to " + short_text(wide);
-  if (const double parting = latest_parting(network, n); parting > kPartLate) {
+  if (parting > kPartLate) {
     text += ", two of them in one tube up to " + rounded(parting) + " radii from it";
   }
   if (std::isfinite(near)) {
@@ -153,6 +151,7 @@ std::vector<FailedPlace> failed_places(const Network& network, const std::vector
       }
     }
   }
+  const std::vector<std::vector<BranchEnd>> ends = branch_ends(network);
   std::vector<FailedPlace> all;
   for (auto& [place, failed] : by_place) {
     failed.text = name_of_place(network, place) + ": " + std::to_string(failed.elements) +
@@ -171,8 +170,10 @@ std::vector<FailedPlace> failed_places(const Network& network, const std::vector
       failed.reason = findings[failed.finding].text;
       failed.cure = findings[failed.finding].cure;
     } else if (place < 0) {
-      failed.reason = shape_of(network, -1 - place);
-      failed.cure = latest_parting(network, -1 - place) > kPartLate
+      const int node = -1 - place;
+      const double parting = latest_parting(network, node, ends[node]);
+      failed.reason = shape_of(network, node, ends[node], parting);
+      failed.cure = parting > kPartLate
                         ? "move the junction to where its branches part, or lower their radii up to there"
                         : "check the points and radii there; junctions that are one make one point";
     } else {
