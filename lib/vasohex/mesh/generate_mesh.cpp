@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -179,16 +180,16 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
 
   // parameters and Lagrange tables of every sheet, in its direction and against it
   struct Table {
-    std::vector<double> t, values;
+    std::shared_ptr<const std::vector<double>> t;
+    std::vector<double> values;
   };
   std::vector<std::array<Table, 2>> tables(sheets.sheets.size());
-  std::vector<std::array<std::shared_ptr<const std::vector<double>>, 2>> fades(sheets.sheets.size());
   for (std::size_t s = 0; s < sheets.sheets.size(); ++s) {
     std::vector<double> division = divide(sheets.sheets[s].law, sheets.sheets[s].count);
     for (int reversed = 0; reversed < 2; ++reversed) {
-      tables[s][reversed].t = node_parameters(division, family);
-      tables[s][reversed].values = lagrange_values(gauss, tables[s][reversed].t);
-      fades[s][reversed] = std::make_shared<const std::vector<double>>(tables[s][reversed].t);
+      Table& table = tables[s][reversed];
+      table.t = std::make_shared<const std::vector<double>>(node_parameters(division, family));
+      table.values = lagrange_values(gauss, *table.t);
       division = turned_around(std::move(division));
     }
   }
@@ -260,14 +261,14 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
       const std::array<int, 3> control_stride{1, n, n * n};
       std::array<const Table*, 3> table{};
       std::array<const Sheet*, 3> sheet{};
-      std::array<int, 2> towards_wall{};  // the sheet of the lines, and whether they run against it
+      const Table* towards_wall = nullptr;
       const bool wall_at_end = wall % 2 == 1;
       for (int axis = 0; axis < 3; ++axis) {
         const auto [s, reversed] = sheets.of_block(topology, block, axis);
         sheet[axis] = &sheets.sheets[s];
         table[axis] = &tables[s][reversed];
         if (axis == d) {
-          towards_wall = {s, wall_at_end == reversed};
+          towards_wall = &tables[s][wall_at_end == reversed];
         }
       }
       // contract d1, then d2: lines[v][u][i] control points of the lines
@@ -329,10 +330,10 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             }
             normal = w.normal;
           }
-          const std::vector<double>* t = &table[d]->t;
+          const std::vector<double>* t = table[d]->t.get();
           std::vector<double> own_t, own_values;
           const std::vector<double>* values = &table[d]->values;
-          std::shared_ptr<const std::vector<double>> fade = fades[towards_wall[0]][towards_wall[1]];
+          std::shared_ptr<const std::vector<double>> own_fade;
           if (wall >= 0 && sheet[d]->layers) {
             // layers are measured along each line, and across the wall where the line leans
             const WallLayers& layers = *sheet[d]->layers;
@@ -359,11 +360,11 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             own_values = lagrange_values(gauss, own_t);
             t = &own_t;
             values = &own_values;
-            fade = std::make_shared<const std::vector<double>>(wall_at_end ? own_t : turned_around(own_t));
+            own_fade = std::make_shared<const std::vector<double>>(wall_at_end ? own_t : turned_around(own_t));
           }
           const int base = u * stride[d1] + v * stride[d2], at_wall = wall_at_end ? c[d] : 0;
           if (wall >= 0 && owned[class12 + side(at_wall, c[d]) * place[d]]) {
-            shifts[b].push_back({ids[base + at_wall * stride[d]], shift, fade});
+            shifts[b].push_back({ids[base + at_wall * stride[d]], shift, own_fade ? own_fade : towards_wall->t});
           }
           for (int i = 0; i < size[d]; ++i) {
             if (!owned[class12 + side(i, c[d]) * place[d]]) {
@@ -403,7 +404,7 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
   });
   std::vector<WallShift> all_shifts;
   for (std::vector<WallShift>& of_block : shifts) {
-    all_shifts.insert(all_shifts.end(), of_block.begin(), of_block.end());
+    std::move(of_block.begin(), of_block.end(), std::back_inserter(all_shifts));
     of_block = {};
   }
   result.relaxed = relax_wall(mesh, numbering, wall_face, std::move(all_shifts), surface, run);

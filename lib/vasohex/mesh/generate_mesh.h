@@ -30,9 +30,8 @@ struct MeshResult {
 };
 
 /// Evaluates the blocks at the nodes of the graded lattice; wall nodes are projected onto the surface (those on an
-/// end: within its plane) and the shift fades linearly along the line to the core; where elements would fold, nodes
-/// between their corners stay off it (relax_wall.h). The same bytes for any number of
-/// threads. Throws Error(bad_input) for an order < 1.
+/// end: within its plane) and the shift fades linearly along the line to the core; where elements would fold, they
+/// stay off it (relax_wall.h). The same bytes for any number of threads. Throws Error(bad_input) for an order < 1.
 MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topology, const Sheets& sheets,
                          const ImplicitSurface& surface, const MeshOptions& options, const Run& run);
 

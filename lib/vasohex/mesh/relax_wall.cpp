@@ -29,7 +29,10 @@ class WallRelaxer {
         line_(mesh.order + 1),
         family_(family_nodes(mesh.family, mesh.order)),
         shifts_(std::move(shifts)) {
-    std::sort(shifts_.begin(), shifts_.end(), [](const WallShift& a, const WallShift& b) { return a.node < b.node; });
+    shift_of_.assign(mesh.nodes.size(), -1);
+    for (std::size_t i = 0; i < shifts_.size(); ++i) {
+      shift_of_[shifts_[i].node] = static_cast<int>(i);
+    }
     level_.assign(shifts_.size(), 0);
     bilinear_.assign(shifts_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     for_faces([&](const Patch& b, int u, int v) { add_bilinear(face_nodes(b, u, v)); });
@@ -37,7 +40,8 @@ class WallRelaxer {
 
   RelaxedWall run(const ImplicitSurface& surface, const Run& run) {
     std::vector<char> changed(shifts_.size(), 1);
-    for (int pass = 0; pass < kPasses; ++pass) {
+    bool any_changed = true;
+    for (int pass = 0; pass < kPasses && any_changed; ++pass) {
       std::vector<std::vector<Choice>> chosen(wall_face_.size());
       parallel_for(run, wall_face_.size(), 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b) {
@@ -47,12 +51,14 @@ class WallRelaxer {
         }
       });
       changed.assign(shifts_.size(), 0);
+      any_changed = false;
       for (const std::vector<Choice>& of_block : chosen) {
         for (const Choice& c : of_block) {
           for (const int n : c.nodes) {
             if (c.level > level_[n]) {
               level_[n] = c.level;
               changed[n] = 1;
+              any_changed = true;
             }
           }
         }
@@ -109,15 +115,10 @@ class WallRelaxer {
     }
   }
 
-  int index(int node) const {
-    const auto at =
-        std::lower_bound(shifts_.begin(), shifts_.end(), node, [](const WallShift& s, int n) { return s.node < n; });
-    return static_cast<int>(at - shifts_.begin());
-  }
   std::vector<int> face_nodes(const Patch& b, int u, int v) const {
     std::vector<int> nodes;
     for (int at = 0; at < line_ * line_; ++at) {
-      nodes.push_back(index(b.id(b.wall(), u + at % line_, v + at / line_)));
+      nodes.push_back(shift_of_[b.id(b.wall(), u + at % line_, v + at / line_)]);
     }
     return nodes;
   }
@@ -275,7 +276,7 @@ class WallRelaxer {
       const Patch b = patch(static_cast<int>(block));
       for (int v = 0; v < b.size[b.d2]; ++v) {
         for (int u = 0; u < b.size[b.d1]; ++u) {
-          const int n = index(b.id(b.wall(), u, v));
+          const int n = shift_of_[b.id(b.wall(), u, v)];
           const Vec3 by = move_of(n, level_[n]);
           if (by.isZero(0) || done[n]) {
             continue;
@@ -302,6 +303,7 @@ class WallRelaxer {
   int p_, line_;
   std::vector<double> family_;
   std::vector<WallShift> shifts_;
+  std::vector<int> shift_of_;   ///< [nodes] index of the shift of a wall node, -1 of others
   std::vector<Vec3> bilinear_;  ///< [shifts] between those of the corners of their faces
   std::vector<double> level_;   ///< [shifts]
 };
