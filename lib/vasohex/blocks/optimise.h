@@ -31,6 +31,7 @@ struct BlockProblem {
     int face = 5;
     int quad = 0;
     SectionFrame frame;
+    bool slides = false;  ///< nothing is behind it: its nodes move in its plane, those of the rim along the rim
   };
   /// Where the rays that place a block's wall nodes at the start come from: the nearest point of `axis`; from
   /// `centre` where blocks of several axes meet or the axis is empty.
