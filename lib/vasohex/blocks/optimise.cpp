@@ -94,6 +94,9 @@ constexpr double kJacobianGoal = 0.85;
 /// Scaled Jacobians this much above the least are raised with it.
 constexpr double kAimHigher = 0.1;
 
+/// How many samples blocks are judged by: at first, and before they are kept.
+enum class Look { quick, close };
+
 class Optimiser {
  public:
   Optimiser(const BlockProblem& problem)
@@ -140,11 +143,17 @@ class Optimiser {
         solution = std::move(next);
       }
     }
-    // worth its time where blocks are fair: bad ones are given up, good ones good enough
-    for (int round = 0; round < 3 && solution.min_jacobian > (patient ? 0.0 : 0.2) && solution.min_jacobian < 0.7;
-         ++round) {
-      refine();
-      BlockSolution next = judge();
+    return solution;
+  }
+
+  /// Degree 4, from the nodes of a solution: the least Jacobians of a mesh, its wall projected, are raised while that
+  /// gains something.
+  BlockSolution refine(const BlockSolution& start, double goal) {
+    adopt(start.nodes);
+    BlockSolution solution = judge(Look::close);
+    for (int round = 0; round < 3 && solution.min_jacobian < goal; ++round) {
+      raise_mesh(round == 0 ? kFewSamples : kMeshSamples);
+      BlockSolution next = judge(Look::close);
       const bool gains = next.min_jacobian > solution.min_jacobian + 0.01;
       if (next.is_better_than(solution)) {
         solution = std::move(next);
@@ -222,14 +231,14 @@ class Optimiser {
 
   /// By the mesh that will be made of the blocks, its wall on the surface; and by the blocks, which may lean on that
   /// projection, but not much: where it is large it is known least.
-  BlockSolution judge() {
+  BlockSolution judge(Look look = Look::quick) {
     blocks_.land();
     BlockSolution s;
     s.nodes = blocks_.block_nodes();
     const double of_blocks = least_jacobian(s.nodes);
     const std::vector<Vec3> shifts = blocks_.wall_shifts();
     double of_mesh = least_at(s.nodes, mesh_samples(shifts, kFewSamples));
-    if (of_mesh < kLooksGood && !coarse_) {
+    if (look == Look::close && of_mesh < kLooksGood && !coarse_) {
       of_mesh = least_at(s.nodes, mesh_samples(shifts, kMeshSamples));
     }
     s.min_jacobian = std::min(of_mesh, of_blocks + (coarse_ ? kGuardAllowance : 0.1));
@@ -238,11 +247,11 @@ class Optimiser {
   }
 
   /// Degree 4, from nodes on the wall: raises the least Jacobians of a mesh, its wall projected as it is now.
-  void refine() {
+  void raise_mesh(int samples) {
     constexpr double kShapeWeight = 0.08;  // with less, edges whose parameter almost stops fold at order 2
     constexpr double kWallWeights = 16;    // the less the wall is projected, the longer the projection stays as it is
     EnergyTerms terms;
-    terms.samples = mesh_samples(blocks_.wall_shifts(), kMeshSamples);
+    terms.samples = mesh_samples(blocks_.wall_shifts(), samples);
     terms.wall_weight = kWallWeights * kWallWeight;
     raise_least(terms, measure(terms), kShapeWeight, 16, 60, 16);
   }
@@ -379,6 +388,13 @@ BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start) {
     fitted = optimiser.judge_between(start.nodes, fitted.nodes, part);
   }
   return fitted.is_better_than(start) ? fitted : start;
+}
+
+BlockSolution refine_blocks(const BlockProblem& problem, BlockSolution start, double goal) {
+  if (!(start.min_jacobian > 0 && start.min_jacobian < kLooksGood)) {
+    return start;
+  }
+  return Optimiser(problem).refine(start, goal);
 }
 
 BlockSolution optimise_blocks(const BlockProblem& problem) { return *Optimiser(problem).run(true); }

@@ -61,12 +61,16 @@ struct BlockSolution {
 };
 
 /// The recipe of docs/design.md: untangle at degree 2, then degrees 2, 3, 4 with rising weight on the worst scaled
-/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; weak ones once more with
-/// the wall projected as a mesh's will be; then certify. Deterministic.
+/// Jacobian, wall nodes kept on the surface, the wall's distance to the surface punished; then certify.
+/// Deterministic.
 BlockSolution optimise_blocks(const BlockProblem& problem);
 
 /// The same, or nothing as soon as it looks hopeless: blocks that are still folded, or nearly, when others are not.
 std::optional<BlockSolution> try_blocks(const BlockProblem& problem);
+
+/// Blocks that are weak, but not folded, once more with the wall projected as a mesh's will be, until their least
+/// scaled Jacobian is `goal` or no longer rises: dearer than a try of other blocks. Returns the best, judged closely.
+BlockSolution refine_blocks(const BlockProblem& problem, BlockSolution start, double goal);
 
 /// How folded the blocks are before anything moves: a good guess at which of several arrangements will turn out well.
 /// With straight edges between the vertices as placed: for a first choice among many.

@@ -1,7 +1,9 @@
 #include "vasohex/blocks/solve_cluster.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "vasohex/blocks/split_hub.h"
@@ -21,12 +23,34 @@ constexpr int kMostPatient = 3;
 /// unless the first of them ends as folded as this: the next ones did, too, and they take longest.
 constexpr double kHopeless = -0.5;
 
+/// So many of the attempts are refined where the best is not good even then.
+constexpr int kMostRefined = 6;
+/// Below it blocks are worth refining. Those of several cubes gain more.
+constexpr double kWeak = 0.65;
+constexpr double kWeakOfSeveral = 0.7;
+
 /// Hubs and how the arms of each are assigned to its cube's faces.
 struct Arrangement {
   Cluster cluster;
   std::vector<CubeAssignment> assignments;  ///< [hubs]
   double energy = 0;                        ///< how folded its blocks are before anything moves
 };
+
+/// Equal for arrangements that give the same blocks.
+std::vector<double> key_of(const Arrangement& arrangement) {
+  std::vector<double> key;
+  for (std::size_t h = 0; h < arrangement.cluster.size(); ++h) {
+    const Hub& hub = arrangement.cluster[h];
+    key.insert(key.end(), hub.centre.begin(), hub.centre.end());
+    for (std::size_t a = 0; a < hub.arms.size(); ++a) {
+      const Arm& arm = hub.arms[a];
+      for (const int part : {arm.branch, arm.end, arm.link, arrangement.assignments[h].face[a]}) {
+        key.push_back(part);
+      }
+    }
+  }
+  return key;
+}
 
 std::vector<CubeAssignment> assignments_of(const Hub& hub, int count) {
   std::vector<Vec3> directions;
@@ -124,9 +148,12 @@ class Search {
  public:
   Search(const ImplicitSurface& surface, const BlockOptions& options) : surface_(surface), options_(options) {}
 
-  /// Optimises the arrangement; unless `patient`, only while it looks promising. Returns the least scaled Jacobian
-  /// that it came to, if any.
+  /// Optimises the arrangement, once; unless `patient`, only while it looks promising. Returns the least scaled
+  /// Jacobian that it came to, if any.
   std::optional<double> attempt(const Arrangement& arrangement, bool patient) {
+    if (!attempted_[patient].insert(key_of(arrangement)).second) {
+      return {};
+    }
     ClusterResult r;
     r.cluster = arrangement.cluster;
     r.assignments = arrangement.assignments;
@@ -140,9 +167,7 @@ class Search {
       return {};
     }
     const double least = r.solution.min_jacobian;
-    if (!best_ || r.solution.is_better_than(best_->solution)) {
-      best_ = std::move(r);
-    }
+    keep(std::move(r));
     return least;
   }
 
@@ -156,7 +181,8 @@ class Search {
     attempt_all(all);
     const int most = std::min(static_cast<int>(all.size()), most_patient);
     for (int i = 0; i < most && !reached(kPatientBelow); ++i) {
-      if (*attempt(all[i], true) < kHopeless) {
+      const std::optional<double> least = attempt(all[i], true);
+      if (least && *least < kHopeless) {
         break;
       }
     }
@@ -164,9 +190,9 @@ class Search {
 
   /// Of several hubs the weakest is arranged anew, then the next.
   void rearrange_weakest(int most_rounds) {
-    std::vector<char> done(best_ ? best_->cluster.size() : 0, 0);
+    std::vector<char> done(found_.empty() ? 0 : found_.front().cluster.size(), 0);
     for (int round = 0; round < most_rounds && done.size() > 1 && !is_good(); ++round) {
-      const std::vector<double> least = least_of_hubs(*best_);
+      const std::vector<double> least = least_of_hubs(found_.front());
       std::optional<int> weakest;
       for (int h = 0; h < static_cast<int>(least.size()); ++h) {
         if (!done[h] && least[h] < options_.good_jacobian && (!weakest || least[h] < least[*weakest])) {
@@ -176,37 +202,59 @@ class Search {
       if (!weakest) {
         break;
       }
-      const Arrangement now{best_->cluster, best_->assignments};
+      const Arrangement now{found_.front().cluster, found_.front().assignments};
       // each try costs as much as all of the cluster
       const int hubs = std::max(2, static_cast<int>(now.cluster.size()));
       attempt_all(arrangements(surface_, now, *weakest, std::max(3, 2 * kLongSearch * options_.candidates / hubs)));
-      if (best_->cluster.size() < now.cluster.size()) {
-        done.assign(best_->cluster.size(), 0);  // two hubs became one: the numbers are new
+      if (found_.front().cluster.size() < now.cluster.size()) {
+        done.assign(found_.front().cluster.size(), 0);  // two hubs became one: the numbers are new
       } else {
-        done.resize(best_->cluster.size(), 1);
+        done.resize(found_.front().cluster.size(), 1);
         done[*weakest] = 1;
       }
     }
   }
 
-  /// The best, fitted to the mesh that is asked for; one without blocks if no attempt came to an end.
+  /// The best, refined and fitted to the mesh that is asked for; one without blocks if no attempt came to an end.
   ClusterResult result() {
-    if (!best_) {
-      best_.emplace();
-    } else {
-      best_->blocks.problem.mesh = options_.mesh;
-      best_->solution = fit_to_mesh(best_->blocks.problem, std::move(best_->solution));
+    ClusterResult best = refined();
+    if (!best.solution.nodes.empty()) {
+      best.blocks.problem.mesh = options_.mesh;
+      best.solution = fit_to_mesh(best.blocks.problem, std::move(best.solution));
     }
-    best_->candidates = tried_;
-    best_->cpu_seconds = thread_cpu_seconds() - start_;
-    return std::move(*best_);
+    best.candidates = tried_;
+    best.cpu_seconds = thread_cpu_seconds() - start_;
+    return best;
   }
 
  private:
-  bool reached(double least) const {
-    return best_ && best_->solution.certified && best_->solution.min_jacobian >= least;
+  bool reached(double least) const { return !found_.empty() && is_at_least(found_.front(), least); }
+  static bool is_at_least(const ClusterResult& r, double least) {
+    return r.solution.certified && r.solution.min_jacobian >= least;
   }
   bool is_good() const { return reached(options_.good_jacobian); }
+  void keep(ClusterResult r) {
+    const auto worse = std::find_if(found_.begin(), found_.end(), [&](const ClusterResult& other) {
+      return r.solution.is_better_than(other.solution);
+    });
+    found_.insert(worse, std::move(r));
+    found_.resize(std::min<std::size_t>(found_.size(), kMostRefined));
+  }
+  /// Refining costs more than another attempt: only what the search ends with, until one is good.
+  ClusterResult refined() {
+    ClusterResult best;
+    for (ClusterResult& r : found_) {
+      if (is_at_least(best, options_.good_jacobian)) {
+        break;
+      }
+      r.solution =
+          refine_blocks(r.blocks.problem, std::move(r.solution), r.cluster.size() > 1 ? kWeakOfSeveral : kWeak);
+      if (best.solution.nodes.empty() || r.solution.is_better_than(best.solution)) {
+        best = std::move(r);
+      }
+    }
+    return best;
+  }
   void attempt_all(const std::vector<Arrangement>& all) {
     for (int i = 0; i < static_cast<int>(all.size()) && !is_good(); ++i) {
       if (i >= options_.candidates && reached(kFairJacobian)) {
@@ -219,7 +267,8 @@ class Search {
   const ImplicitSurface& surface_;
   const BlockOptions& options_;
   const double start_ = thread_cpu_seconds();
-  std::optional<ClusterResult> best_;
+  std::array<std::set<std::vector<double>>, 2> attempted_;  ///< [patient] by key_of()
+  std::vector<ClusterResult> found_;                        ///< the best first
   int tried_ = 0;
 };
 
