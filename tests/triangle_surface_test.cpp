@@ -162,6 +162,40 @@ TEST(TriangleSurface, GoesOnBehindItsEnds) {
   }
 }
 
+TEST(TriangleSurface, SplinterOnARimDecidesNothing) {
+  // Real surfaces that were cut by planes have triangles on their rims so thin that their normals say nothing: here
+  // two, one bent inwards, one outwards.
+  const TubeShape shape;
+  for (const double inwards : {1.0, -1.0}) {
+    PreparedSurface prepared = prepare_surface(shape.triangles(64));
+    TriSurface& s = prepared.surface;
+    for (std::size_t e = 0; e < prepared.rims.size(); ++e) {
+      std::vector<int>& rim = prepared.rims[e];
+      const int a = rim[0], b = rim[1], added = static_cast<int>(s.points.size());
+      const Vec3 middle = 0.5 * (s.points[a] + s.points[b]), &n = prepared.ends[e].normal;
+      const Vec3 out = (middle - prepared.ends[e].centre).normalized();
+      s.points.push_back(middle - inwards * 5e-3 * out - 1e-3 * n);
+      const bool forwards = std::any_of(s.triangles.begin(), s.triangles.end(), [&](const std::array<int, 3>& t) {
+        return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
+      });
+      s.triangles.push_back(forwards ? std::array{b, a, added} : std::array{a, b, added});
+      rim.insert(rim.begin() + 1, added);
+    }
+    const TriangleSurface facets(prepared, shape.network());
+    const SmoothSurface smooth = make_smooth_surface(prepared, shape.network());
+    Random random(7);
+    for (int i = 0; i < 20000; ++i) {
+      const SurfaceEnd& end = prepared.ends[i % prepared.ends.size()];
+      const double angle = random(0, 7), r = random(0, 1.8), behind = random(-0.3, 0.3);
+      const Vec3 x = end.centre + Vec3(r * std::cos(angle), r * std::sin(angle), 0) + behind * end.normal;
+      if (std::abs(r - 1) > 0.1) {
+        EXPECT_EQ(facets.value(x) < 0, r < 1) << "r " << r << " behind the end " << behind;
+        EXPECT_EQ(smooth.surface->value(x) < 0, r < 1) << "r " << r << " behind the end " << behind;
+      }
+    }
+  }
+}
+
 TEST(TriangleSurface, RadiusIsThatOfTheVessel) {
   const TubeShape shape{8, 0.1};
   const TriangleSurface facets(prepare_surface(shape.triangles(24)), shape.network());

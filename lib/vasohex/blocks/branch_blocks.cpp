@@ -120,7 +120,7 @@ BlockSolution optimised(const Branch& branch, const ImplicitSurface& surface, co
     problem.sections.push_back({5 * (to - from) + quad, 5, quad, piece.frames[(to + 1) * kBlockDegree]});
   }
   constexpr double kWeak = 0.7;  // below it blocks are worth refining
-  return fit_to_mesh(problem, refine_blocks(problem, optimise_blocks(problem), kWeak));
+  return fit_to_mesh(problem, refine_blocks(problem, optimise_blocks(problem), kWeak, false));
 }
 
 /// The best found for layers `from` to `to`: as they are, optimised all together or, where that is not certified,

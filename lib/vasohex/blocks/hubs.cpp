@@ -343,6 +343,7 @@ void finish_arms(const Network& network, const Placement& placement, std::vector
         arm.cap += placement.beyond * from_end(branch, arm.end, arm.cap).radius;
         stop_at_end(network, arm);
       }
+      arm.at_end = arm.link < 0 && arm.cap >= length;
       const AxisPoint p = from_end(branch, arm.end, arm.cap);
       arm.radius = arm.link >= 0 ? middle_radius : p.radius;
       arm.section = frame_at(p);

@@ -238,7 +238,7 @@ void add_cap(Builder& builder, const std::vector<Hub>& hubs, int h, int a, const
   const int core = add_layers(builder, frames, turn, turn, layer_places(arm.axis, false), low, high, aim, h);
   for (int q = 0; q < 5; ++q) {
     cap.blocks[q] = core + q;
-    builder.out.problem.sections.push_back({core + q, 5, q, cap.frame});
+    builder.out.problem.sections.push_back({core + q, 5, q, cap.frame, arm.at_end});
   }
   builder.out.caps.push_back(cap);
 }

@@ -21,6 +21,7 @@ struct Arm {
   int end = 0;                     ///< 0: the branch starts at the hub, 1: it ends there
   int link = -1;                   ///< hub of the same cluster at the other end, or -1
   double cap = 0;                  ///< arc length from the hub to the cap; of a link: the branch's length
+  bool at_end = false;             ///< the cap is an end of the network
   Vec3 direction = Vec3::UnitX();  ///< unit, from the hub along the axis
   double radius = 1;               ///< of the branch at the cap
   ArmAxis axis;                    ///< from the hub to the cap, or to the other hub

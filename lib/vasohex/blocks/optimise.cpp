@@ -148,11 +148,11 @@ class Optimiser {
 
   /// Degree 4, from the nodes of a solution: the least Jacobians of a mesh, its wall projected, are raised while that
   /// gains something.
-  BlockSolution refine(const BlockSolution& start, double goal) {
+  BlockSolution refine(const BlockSolution& start, double goal, bool quick) {
     adopt(start.nodes);
     BlockSolution solution = judge(Look::close);
     for (int round = 0; round < 3 && solution.min_jacobian < goal; ++round) {
-      raise_mesh(round == 0 ? kFewSamples : kMeshSamples);
+      raise_mesh(quick && round == 0 ? kFewSamples : kMeshSamples);
       BlockSolution next = judge(Look::close);
       const bool gains = next.min_jacobian > solution.min_jacobian + 0.01;
       if (next.is_better_than(solution)) {
@@ -390,11 +390,11 @@ BlockSolution fit_to_mesh(const BlockProblem& problem, BlockSolution start) {
   return fitted.is_better_than(start) ? fitted : start;
 }
 
-BlockSolution refine_blocks(const BlockProblem& problem, BlockSolution start, double goal) {
+BlockSolution refine_blocks(const BlockProblem& problem, BlockSolution start, double goal, bool quick) {
   if (!(start.min_jacobian > 0 && start.min_jacobian < kLooksGood)) {
     return start;
   }
-  return Optimiser(problem).refine(start, goal);
+  return Optimiser(problem).refine(start, goal, quick);
 }
 
 BlockSolution optimise_blocks(const BlockProblem& problem) { return *Optimiser(problem).run(true); }

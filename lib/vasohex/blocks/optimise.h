@@ -31,6 +31,7 @@ struct BlockProblem {
     int face = 5;
     int quad = 0;
     SectionFrame frame;
+    bool slides = false;  ///< nothing is behind it: its nodes move in its plane, those of the rim along the rim
   };
   /// Where the rays that place a block's wall nodes at the start come from: the nearest point of `axis`; from
   /// `centre` where blocks of several axes meet or the axis is empty.
@@ -69,7 +70,8 @@ std::optional<BlockSolution> try_blocks(const BlockProblem& problem);
 
 /// Blocks that are weak, but not folded, once more with the wall projected as a mesh's will be, until their least
 /// scaled Jacobian is `goal` or no longer rises: dearer than a try of other blocks. Returns the best, judged closely.
-BlockSolution refine_blocks(const BlockProblem& problem, BlockSolution start, double goal);
+/// `quick`: the first round looks at half as many samples a direction. It may leave edges whose parameter almost stops.
+BlockSolution refine_blocks(const BlockProblem& problem, BlockSolution start, double goal, bool quick);
 
 /// How folded the blocks are before anything moves: a good guess at which of several arrangements will turn out well.
 /// With straight edges between the vertices as placed: for a first choice among many.

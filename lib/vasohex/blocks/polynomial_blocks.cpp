@@ -50,8 +50,17 @@ PolynomialBlocks::PolynomialBlocks(const BlockProblem& problem, const BlockTopol
       }
     }
   }
-  for (const BlockProblem::Section& s : problem.sections) {
-    for_face(s.face, [&](int, int, int at) { kinds_[id(s.block, at)] = NodeKind::fixed; });
+  plane_.assign(x.rows(), -1);
+  for (std::size_t s = 0; s < problem.sections.size(); ++s) {
+    const BlockProblem::Section& section = problem.sections[s];
+    for_face(section.face, [&](int, int, int at) {
+      const int node = id(section.block, at);
+      if (section.slides) {
+        plane_[node] = static_cast<int>(s);
+      } else {
+        kinds_[node] = NodeKind::fixed;
+      }
+    });
   }
   for (int i = 0; i < x.rows(); ++i) {
     if (kinds_[i] == NodeKind::wall) {
@@ -82,7 +91,7 @@ void PolynomialBlocks::place() {
       x.row(id(b, at)) = trilinear(problem_->vertices, problem_->blocks[b], u);
     }
   }
-  place_sections();
+  place_sections(true);
   const Points before = x;
   // Each wall node is aimed at from the axis of its block; where blocks of two axes meet, from the centre.
   std::vector<int> aim(x.rows(), -1);
@@ -103,6 +112,9 @@ void PolynomialBlocks::place() {
   }
   update_lengths();
   for (const int i : wall_nodes_) {
+    if (plane_[i] >= 0) {
+      continue;
+    }
     const BlockProblem::Aim& from = problem_->aims[aim[i]];
     const Vec3 p = x.row(i);
     const Vec3 base = shared[i] || from.axis.empty() ? from.centre : nearest_on_axis(from.axis, p);
@@ -121,9 +133,12 @@ void PolynomialBlocks::place() {
   update_lengths();
 }
 
-void PolynomialBlocks::place_sections() {
+void PolynomialBlocks::place_sections(bool sliding) {
   std::vector<char> done(x.rows(), 0);
   for (const BlockProblem::Section& s : problem_->sections) {
+    if (s.slides && !sliding) {
+      continue;
+    }
     const int n = degree_ + 1;
     for_face(s.face, [&](int, int, int at) {
       const int node = id(s.block, at);
@@ -142,8 +157,10 @@ void PolynomialBlocks::retract(Points& y) {
   for (std::size_t w = 0; w < wall_nodes_.size(); ++w) {
     const int i = wall_nodes_[w];
     Vec3 p = y.row(i), gradient;
+    const Vec3 plane = plane_[i] < 0 ? Vec3::Zero() : problem_->sections[plane_[i]].frame.normal();
     for (int iteration = 0; iteration < 12; ++iteration) {
       const double f = wall_.value(w, p, gradient);
+      gradient -= plane.dot(gradient) * plane;
       Vec3 step = -f / std::max(gradient.squaredNorm(), 1e-300) * gradient;
       const double length = step.norm();
       if (length > reach) {
@@ -247,6 +264,9 @@ void PolynomialBlocks::make_tangential(Points& v) const {
   for (int i = 0; i < v.rows(); ++i) {
     if (kinds_[i] == NodeKind::fixed) {
       v.row(i).setZero();
+    } else if (plane_[i] >= 0) {
+      const Vec3 plane = problem_->sections[plane_[i]].frame.normal();
+      v.row(i) -= v.row(i).dot(plane) * plane;
     }
   }
 }
@@ -270,7 +290,7 @@ void PolynomialBlocks::smooth(int sweeps) {
       Vec3 sum = Vec3::Zero();
       int count = 0;
       for (const int j : neighbours[i]) {
-        if (kinds_[i] == NodeKind::free || kinds_[j] != NodeKind::free) {
+        if ((kinds_[i] == NodeKind::free || kinds_[j] != NodeKind::free) && (plane_[i] < 0 || plane_[j] >= 0)) {
           sum += x.row(j).transpose();
           ++count;
         }
@@ -318,7 +338,7 @@ PolynomialBlocks PolynomialBlocks::elevated(int degree) const {
   }
   const Points before = e.x;
   e.update_lengths();
-  e.place_sections();
+  e.place_sections(false);
   e.retract(e.x);
   e.carry_inside(before);
   e.update_lengths();
@@ -356,10 +376,15 @@ std::vector<Vec3> PolynomialBlocks::wall_shifts() const {
             p += to_fine[s * n + i] * to_fine[t * n + j] * x.row(ids[i + n * j]).transpose();
           }
         }
+        // the mesh's nodes on the rim of an end stay in its plane
+        const auto beside = [&](int i) { return i == 0 ? 0 : i == m - 1 ? degree_ : n / 2; };
+        const int section = plane_[ids[beside(s) + n * beside(t)]];
+        const Vec3 plane = section < 0 ? Vec3::Zero() : problem_->sections[section].frame.normal();
         const Vec3 start = p;
         Vec3 gradient;
         for (int iteration = 0; iteration < 6; ++iteration) {
           const double value = problem_->surface->value(p, gradient);
+          gradient -= plane.dot(gradient) * plane;
           const Vec3 step = -value / std::max(gradient.squaredNorm(), 1e-300) * gradient;
           p += step;
           if (!(step.norm() > 1e-3 * radius)) {

@@ -89,10 +89,11 @@ class PolynomialBlocks {
   /// Trilinear blocks, sections placed, wall nodes shot from the vessels' axes, the shift carried inside.
   void place();
 
-  /// Puts the nodes of the fixed faces where their cross-sections are.
-  void place_sections();
+  /// Puts the nodes of the sections where their cross-sections are; those that slide too if `sliding`.
+  void place_sections(bool sliding);
 
-  /// Wall nodes onto the wall's model by Newton's method; remembers the normals there.
+  /// Wall nodes onto the wall's model by Newton's method, in the plane of a section that they slide in; remembers the
+  /// normals there.
   void retract(Points& y);
 
   /// Wall nodes onto the surface itself.
@@ -134,7 +135,7 @@ class PolynomialBlocks {
   void set_normals(const Points& n) { normals_ = n; }
 
   /// Laplace sweeps: every free or wall node halfway to the mean of its neighbours on the lattice (of wall nodes: on
-  /// the wall and sections).
+  /// the wall and sections; of those that slide: in their plane).
   void smooth(int sweeps);
 
   /// The same blocks with a higher degree: sections and wall exact again.
@@ -189,6 +190,7 @@ class PolynomialBlocks {
   std::vector<NodeKind> kinds_;
   std::vector<WallFace> wall_faces_;
   std::vector<int> wall_nodes_;
+  std::vector<int> plane_;  ///< [nodes] the section in whose plane the node slides; -1: none
   WallModel wall_;  ///< of the wall nodes, then of the samples between them
   Points normals_;
   std::vector<double> wall_values_;  ///< [degree][degree + 1]: between the nodes

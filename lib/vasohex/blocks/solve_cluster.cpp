@@ -248,7 +248,7 @@ class Search {
         break;
       }
       r.solution =
-          refine_blocks(r.blocks.problem, std::move(r.solution), r.cluster.size() > 1 ? kWeakOfSeveral : kWeak);
+          refine_blocks(r.blocks.problem, std::move(r.solution), r.cluster.size() > 1 ? kWeakOfSeveral : kWeak, true);
       if (best.solution.nodes.empty() || r.solution.is_better_than(best.solution)) {
         best = std::move(r);
       }

@@ -11,10 +11,36 @@ namespace vasohex {
 namespace {
 
 constexpr double kProlonged = 1.5;  // radii of the end, beyond its plane
+constexpr double kRimReach = 0.25;  // radii of the end, along its rim
 
 Vec3 unit(const Vec3& v) {
   const double length = v.norm();
   return length > 0 ? Vec3(v / length) : Vec3(Vec3::Zero());
+}
+
+/// Unit normals along a closed rim, [rim]: of the triangles there by their areas, less the further along the rim they
+/// are, up to `reach`. Half the lumen may be judged by one of them, so no splinter must decide it.
+std::vector<Vec3> rim_normals(const TriSurface& surface, const std::vector<int>& rim, const std::vector<Vec3>& areas,
+                              double reach) {
+  const std::size_t n = rim.size();
+  std::vector<Vec3> normals;
+  for (std::size_t i = 0; i < n; ++i) {
+    Vec3 sum = areas[rim[i]];
+    for (const std::size_t step : {std::size_t{1}, n - 1}) {
+      double along = 0;
+      for (std::size_t k = 1, j = i; k <= n / 2; ++k) {
+        const std::size_t next = (j + step) % n;
+        along += (surface.points[rim[next]] - surface.points[rim[j]]).norm();
+        if (along >= reach) {
+          break;
+        }
+        sum += (1 - along / reach) * areas[rim[next]];
+        j = next;
+      }
+    }
+    normals.push_back(unit(sum));
+  }
+  return normals;
 }
 
 }  // namespace
@@ -49,9 +75,19 @@ TriangleSurface::TriangleSurface(PreparedSurface prepared, const Network& networ
   edge_normals_.resize(3 * static_cast<std::size_t>(n));
   rim_of_edge_.assign(edge_normals_.size(), -1);
   rim_of_point_.assign(s.points.size(), -1);
+  rim_normals_.assign(s.points.size(), Vec3::Zero());
+  std::vector<Vec3> areas(s.points.size(), Vec3::Zero());
+  for (int t = 0; t < n; ++t) {
+    for (const int p : s.triangles[t]) {
+      areas[p] += area_normal(s, t);
+    }
+  }
   for (std::size_t e = 0; e < prepared_.rims.size(); ++e) {
-    for (const int p : prepared_.rims[e]) {
-      rim_of_point_[p] = static_cast<int>(e);
+    const std::vector<int>& rim = prepared_.rims[e];
+    const std::vector<Vec3> normals = rim_normals(s, rim, areas, kRimReach * prepared_.ends[e].radius);
+    for (std::size_t i = 0; i < rim.size(); ++i) {
+      rim_of_point_[rim[i]] = static_cast<int>(e);
+      rim_normals_[rim[i]] = normals[i];
     }
   }
   for (int h = 0; h < 3 * n; ++h) {
@@ -75,15 +111,21 @@ double TriangleSurface::value_from(const Vec3& x, const ClosestPoint& c, Vec3& g
     normal = &edge_normals_[h];
     end = rim_of_edge_[h];
   }
-  const double upright = away.dot(*normal);
   beyond = end >= 0;
   if (beyond) {
     // the wall goes on, then a plane
+    const auto& corners = prepared_.surface.triangles[c.triangle];
+    Vec3 onward = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      onward += c.weights[k] * rim_normals_[corners[k]];
+    }
+    onward = unit(onward);
     const SurfaceEnd& e = prepared_.ends[end];
-    const double behind = e.normal.dot(x - e.centre) - kProlonged * e.radius;
-    gradient = behind > upright ? e.normal : *normal;
+    const double upright = away.dot(onward), behind = e.normal.dot(x - e.centre) - kProlonged * e.radius;
+    gradient = behind > upright ? e.normal : onward;
     return std::max(upright, behind);
   }
+  const double upright = away.dot(*normal);
   const double distance = std::sqrt(c.distance2);
   const double sign = upright < 0 ? -1 : 1;
   gradient = std::abs(upright) > 1e-9 * distance && distance > 0 ? Vec3(sign / distance * away) : *normal;

@@ -41,6 +41,7 @@ class TriangleSurface final : public ImplicitSurface {
   TriangleTree tree_;
   std::vector<Vec3> normals_, point_normals_, edge_normals_;  ///< edge normals [3 triangles], by half-edge
   std::vector<int> rim_of_edge_, rim_of_point_;               ///< the end; -1: none
+  std::vector<Vec3> rim_normals_;                             ///< [points] of the wall along an end's rim
 };
 
 /// Angle-weighted normals of the points, unit; zero for points of triangles without area only.
