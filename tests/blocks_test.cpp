@@ -265,6 +265,40 @@ TEST(WallModel, IsTheSurfaceToThirdOrder) {
   EXPECT_EQ(sphere.looks, 5);
 }
 
+TEST(WallModel, KnowsItsOwnWallBeyondAGap) {
+  // two tubes of radius 1 along z, a gap between them
+  constexpr double kGap = 0.1;
+  class Pair final : public ImplicitSurface {
+   public:
+    double value(const Vec3& x) const override {
+      Vec3 gradient;
+      return value(x, gradient);
+    }
+    double value(const Vec3& x, Vec3& gradient) const override {
+      const Vec3 axis(x.x() < 0 ? -1 - 0.5 * kGap : 1 + 0.5 * kGap, 0, x.z());
+      gradient = (x - axis).normalized();
+      return (x - axis).norm() - 1;
+    }
+    double radius(const Vec3&) const override { return 1; }
+  } surface;
+  const Vec3 axis(-1 - 0.5 * kGap, 0, 0);
+  for (const double degrees : {-15, 0, 10}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    const Vec3 outward(std::cos(angle), std::sin(angle), 0);
+    for (const double off : {-0.1, 0.02, 0.07, 0.12, 0.3}) {
+      WallModel model(surface, 1);
+      model.set_reach(0.04);
+      const Vec3 x = axis + (1 + off) * outward;
+      Vec3 gradient;
+      EXPECT_NEAR(model.value_facing(0, x, outward, gradient), off, 1e-3);
+      EXPECT_NEAR((gradient - outward).norm(), 0, 1e-9);
+      // without the direction it is the other tube's wall that is near
+      EXPECT_EQ(model.value_facing(0, x, Vec3::Zero(), gradient), surface.value(x));
+      EXPECT_EQ(gradient.x() < 0, x.x() > 0);
+    }
+  }
+}
+
 TEST(Junctions, ReachTheQualityOfTheDesign) {
   // what a prototype reached with cubes for the named junctions, less .03
   struct Named {

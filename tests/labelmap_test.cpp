@@ -382,6 +382,44 @@ TEST(Labelmap, JunctionsAndCyclesAreThoseOfTheLumen) {
   }
 }
 
+TEST(Labelmap, HolesNarrowerThanVoxelsTellAreFilled) {
+  // beside a long tube lies a second one, at a gap: alone; joined at one place; joined at two, with a hole between
+  const auto tunnels_of = [](double gap, int joints, double least_hole, LabelSkeleton* found = nullptr) {
+    const double middle = 2.5 + 0.5 * gap;
+    const LabelVolume volume = voxelised(
+        [&](const Vec3& x) {
+          double least = std::min(to_segment(x, {0, -middle, 0}, {36, -middle, 0}) - 2.5,
+                                  to_segment(x, {4, middle, 0}, {32, middle, 0}) - 2.5);
+          for (int j = 0; j < joints; ++j) {
+            least = std::min(least, (x - Vec3(12 + 12 * j, 0, 0)).norm() - 2 - 0.5 * gap);
+          }
+          return least;
+        },
+        around({{0, -middle, 0}, {36, middle, 0}}, 6), {1, 1, 1.2});
+    LabelSkeletonOptions options;
+    options.least_hole = least_hole;
+    LabelSkeleton s = extract_skeleton(volume, options);
+    const int tunnels = s.tunnels;
+    EXPECT_EQ(s.components, joints == 0 ? 2 : 1);
+    if (found) {
+      *found = std::move(s);
+    }
+    return tunnels;
+  };
+  LabelSkeleton s;
+  for (const int joints : {0, 1}) {
+    EXPECT_EQ(tunnels_of(1.5, joints, 2, &s), 0);
+    EXPECT_TRUE(s.repairs.empty());
+  }
+  EXPECT_EQ(tunnels_of(1.5, 2, 0), 1);
+  EXPECT_EQ(tunnels_of(1.5, 2, 2, &s), 0);
+  ASSERT_EQ(s.repairs.size(), 1u);
+  EXPECT_NE(s.repairs[0].find("hole narrower than"), std::string::npos);
+  EXPECT_EQ(counts_of(build_network(s.skeleton)).cycles, 0);
+  EXPECT_EQ(tunnels_of(5, 2, 2, &s), 1);
+  EXPECT_TRUE(s.repairs.empty());
+}
+
 TEST(Labelmap, ResultsDoNotDependOnThreads) {
   const auto shape = [](const Vec3& x) {
     return std::min(to_segment(x, {0, 0, 0}, {20, 6, 3}) - 3, to_segment(x, {9, 3, 1}, {12, -12, 8}) - 2);

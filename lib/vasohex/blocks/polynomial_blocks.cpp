@@ -156,10 +156,11 @@ void PolynomialBlocks::retract(Points& y) {
   const double reach = 0.5 * mean_length_;
   for (std::size_t w = 0; w < wall_nodes_.size(); ++w) {
     const int i = wall_nodes_[w];
+    const Vec3 outward = normals_.row(i);  // as last time
     Vec3 p = y.row(i), gradient;
     const Vec3 plane = plane_[i] < 0 ? Vec3::Zero() : problem_->sections[plane_[i]].frame.normal();
     for (int iteration = 0; iteration < 12; ++iteration) {
-      const double f = wall_.value(w, p, gradient);
+      const double f = wall_.value_facing(w, p, outward, gradient);
       gradient -= plane.dot(gradient) * plane;
       Vec3 step = -f / std::max(gradient.squaredNorm(), 1e-300) * gradient;
       const double length = step.norm();
@@ -473,7 +474,11 @@ double PolynomialBlocks::wall_distance(const Points& y, double wall_weight, Poin
         for (int j = 0; j < n; ++j) {
           p += wall_values_[t * n + j] * along[s + m * j];
         }
-        const double value = wall_.value(sample++, p, g);
+        const Vec3 outward = (normals_.row(ids[s + n * t]) + normals_.row(ids[s + 1 + n * t]) +
+                              normals_.row(ids[s + n * (t + 1)]) + normals_.row(ids[s + 1 + n * (t + 1)]))
+                                 .transpose()
+                                 .normalized();
+        const double value = wall_.value_facing(sample++, p, outward, g);
         const double g2 = std::max(g.squaredNorm(), 1e-300);
         total += weight * value * value / g2;
         gap2 = std::max(gap2, value * value / (g2 * length * length));

@@ -1,5 +1,8 @@
 #include "vasohex/blocks/wall_model.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace vasohex {
 
 void WallModel::forget() {
@@ -25,6 +28,27 @@ double WallModel::value(std::size_t point, const Vec3& x, Vec3& gradient) {
   const Vec3 turn = anchor.hessian * away;
   gradient = anchor.gradient + turn;
   return anchor.value + away.dot(anchor.gradient + 0.5 * turn);
+}
+
+double WallModel::value_facing(std::size_t point, const Vec3& x, const Vec3& outward, Vec3& gradient) {
+  constexpr double kOpposite = -0.8;  // cosine
+  constexpr double kFurthest = 12;    // reaches
+  const double value = this->value(point, x, gradient);
+  const auto is_opposite = [&](const Vec3& g) { return g.dot(outward) < kOpposite * g.norm(); };
+  if (!is_opposite(gradient)) {
+    return value;
+  }
+  Vec3 there = gradient;
+  double back = 0, value_there = value;
+  while (is_opposite(there) && back < kFurthest * reach_) {
+    back += std::max(std::abs(value_there) / there.norm(), reach_);
+    value_there = this->value(point, x - back * outward, there);
+  }
+  if (is_opposite(there)) {
+    return value;
+  }
+  gradient = outward;
+  return back + value_there / there.norm();
 }
 
 Eigen::Matrix3d WallModel::hessian(const Anchor& anchor) const {

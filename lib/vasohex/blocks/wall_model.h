@@ -21,6 +21,10 @@ class WallModel {
   void forget();
   double value(std::size_t point, const Vec3& x, Vec3& gradient);
 
+  /// The same where the wall is known to face the unit vector `outward` (zero: not known). A point beyond the middle
+  /// of the gap to another vessel sees that one's wall: its value then is the way back against `outward`.
+  double value_facing(std::size_t point, const Vec3& x, const Vec3& outward, Vec3& gradient);
+
  private:
   enum class Known : char { nothing, gradient, curvature };
   struct Anchor {

@@ -6,6 +6,7 @@
 
 #include "vasohex/core/parallel.h"
 #include "vasohex/skeleton/lumen_section.h"
+#include "vasohex/skeleton/narrow_holes.h"
 #include "vasohex/skeleton/smooth_path.h"
 #include "vasohex/skeleton/thinning.h"
 #include "vasohex/skeleton/voxel_graph.h"
@@ -301,11 +302,16 @@ void append(const Line& line, std::vector<int>& point_of, const std::vector<Node
 LabelSkeleton extract_skeleton(const LabelVolume& given, const LabelSkeletonOptions& options, const Run& run) {
   check(given);
   LabelSkeleton result;
-  CleanLabels clean = clean_labels(given, options.least_voxels, kLevelSetMargin);
+  LabelVolume filled = cropped(given, 2 + static_cast<int>(std::ceil(options.least_hole * given.spacing.mean() /
+                                                                     given.spacing.minCoeff())));
+  if (options.least_hole > 0) {
+    fill_narrow_holes(filled, options.least_hole * filled.spacing.mean(), result.repairs, run);
+  }
+  CleanLabels clean = clean_labels(filled, options.least_voxels, kLevelSetMargin);
   const LabelVolume& volume = clean.volume;
   result.components = clean.components;
   result.tunnels = clean.tunnels;
-  result.repairs = std::move(clean.repairs);
+  result.repairs.insert(result.repairs.end(), clean.repairs.begin(), clean.repairs.end());
   run.progress("skeleton", 0);
   std::vector<float> distances = signed_centre_distances(volume, run);
   run.progress("skeleton", 0.2);

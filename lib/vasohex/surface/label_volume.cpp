@@ -10,8 +10,10 @@
 namespace vasohex {
 namespace {
 
-/// Marks the voxels that hang together with `seed` through voxels of the value `of`, faces only or also edges and
-/// corners, and returns them.
+std::string count_of(std::size_t voxels) { return std::to_string(voxels) + (voxels == 1 ? " voxel" : " voxels"); }
+
+}  // namespace
+
 std::vector<std::size_t> flood(const LabelVolume& volume, std::size_t seed, std::uint8_t of, bool faces_only,
                                std::vector<std::uint8_t>& marked) {
   std::vector<std::size_t> group{seed};
@@ -37,7 +39,6 @@ std::vector<std::size_t> flood(const LabelVolume& volume, std::size_t seed, std:
   return group;
 }
 
-/// Vertices - edges + faces - voxels of the union of closed voxels, which 26-connectivity is the connectivity of.
 long euler_number(const LabelVolume& volume) {
   const auto in = [&](int i, int j, int k) {
     return i >= 0 && j >= 0 && k >= 0 && i < volume.size[0] && j < volume.size[1] && k < volume.size[2] &&
@@ -69,10 +70,6 @@ long euler_number(const LabelVolume& volume) {
   }
   return euler;
 }
-
-std::string count_of(std::size_t voxels) { return std::to_string(voxels) + (voxels == 1 ? " voxel" : " voxels"); }
-
-}  // namespace
 
 void check(const LabelVolume& volume) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::bad_input, what); };

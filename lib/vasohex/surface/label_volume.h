@@ -43,6 +43,15 @@ void check(const LabelVolume& volume);
 /// volume). Voxels keep their places in space.
 LabelVolume cropped(const LabelVolume& volume, int margin);
 
+/// Marks the voxels that hang together with `seed` through voxels of the value `of`, faces only or also edges and
+/// corners, and returns them.
+std::vector<std::size_t> flood(const LabelVolume& volume, std::size_t seed, std::uint8_t of, bool faces_only,
+                               std::vector<std::uint8_t>& marked);
+
+/// Vertices - edges + faces - voxels of the union of closed voxels, which 26-connectivity is the connectivity of:
+/// components - tunnels + cavities.
+long euler_number(const LabelVolume& volume);
+
 /// What was cleaned from a segmentation, and what it looks like after.
 struct CleanLabels {
   LabelVolume volume;
