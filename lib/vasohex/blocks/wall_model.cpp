@@ -44,11 +44,12 @@ double WallModel::value_facing(std::size_t point, const Vec3& x, const Vec3& out
     back += std::max(std::abs(value_there) / there.norm(), reach_);
     value_there = this->value(point, x - back * outward, there);
   }
-  if (is_opposite(there)) {
+  const double slope = there.norm();
+  if (is_opposite(there) || !(slope > 0)) {
     return value;
   }
   gradient = outward;
-  return back + value_there / there.norm();
+  return back + value_there / slope;
 }
 
 Eigen::Matrix3d WallModel::hessian(const Anchor& anchor) const {
