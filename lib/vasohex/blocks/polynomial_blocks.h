@@ -159,6 +159,8 @@ class PolynomialBlocks {
   }
 
  private:
+  /// Of the plane that a node slides in; zero if it does not.
+  Vec3 plane_normal(int node) const;
   struct WallFace {
     int block, face;
   };
@@ -191,7 +193,7 @@ class PolynomialBlocks {
   std::vector<WallFace> wall_faces_;
   std::vector<int> wall_nodes_;
   std::vector<int> plane_;  ///< [nodes] the section in whose plane the node slides; -1: none
-  WallModel wall_;  ///< of the wall nodes, then of the samples between them
+  WallModel wall_;          ///< of the wall nodes, then of the samples between them
   Points normals_;
   std::vector<double> wall_values_;  ///< [degree][degree + 1]: between the nodes
   std::vector<std::array<double, 3>> lengths_;
