@@ -160,7 +160,7 @@ void PolynomialBlocks::retract(Points& y) {
   const double reach = 0.5 * mean_length_;
   for (std::size_t w = 0; w < wall_nodes_.size(); ++w) {
     const int i = wall_nodes_[w];
-    const Vec3 outward = normals_.row(i);  // as last time
+    const Vec3 outward = keeps_sides_ ? Vec3(normals_.row(i)) : Vec3(Vec3::Zero());  // as last time
     Vec3 p = y.row(i), gradient;
     const Vec3 plane = plane_normal(i);
     for (int iteration = 0; iteration < 12; ++iteration) {
@@ -481,7 +481,7 @@ double PolynomialBlocks::wall_distance(const Points& y, double wall_weight, Poin
                               normals_.row(ids[s + n * (t + 1)]) + normals_.row(ids[s + 1 + n * (t + 1)]))
                                  .transpose()
                                  .normalized();
-        const double value = wall_.value_facing(sample++, p, outward, g);
+        const double value = wall_.value_facing(sample++, p, keeps_sides_ ? outward : Vec3(Vec3::Zero()), g);
         const double g2 = std::max(g.squaredNorm(), 1e-300);
         total += weight * value * value / g2;
         gap2 = std::max(gap2, value * value / (g2 * length * length));
