@@ -518,6 +518,7 @@ TEST(BuildNetwork, LoopsThatTheirTubesFillAreOpened) {
   for (const Case& c : {Case{"triangle", triangle(2), 0, 1, 3}, Case{"with a thin side", thin, 0, 1, 3},
                         Case{"triangle, nearly a hole", triangle(3.3), 0, 1, 3}, Case{"a hole", triangle(4.2), 1, 0, 3},
                         Case{"large triangle", triangle(8), 1, 0, 3}, Case{"10 degrees", bows(.33), 0, 1, 2},
+                        Case{"a fifth of a radius apart", bows(1.08), 0, 1, 2},
                         Case{"bows that part", bows(1.5), 1, 0, 2}, Case{"ladder", ladder(1.3), 0, 3, 4},
                         Case{"wide ladder", ladder(4), 3, 0, 4}}) {
     const Network n = build_network(c.skeleton);
@@ -540,7 +541,7 @@ TEST(BuildNetwork, OpenedLoopsAreCertified) {
   SkeletonMeshOptions options;
   options.grading.elements = 2;
   options.mesh.order = 2;
-  for (const Skeleton& s : {triangle(2), triangle(8), bows(.33)}) {
+  for (const Skeleton& s : {triangle(2), triangle(8), bows(.33), bows(1.08)}) {
     const SkeletonMesh m = mesh_skeleton(s, options);
     EXPECT_EQ(measure_quality(m.result.mesh).certified, m.result.mesh.element_count());
   }

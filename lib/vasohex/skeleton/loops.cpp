@@ -14,11 +14,11 @@
 namespace vasohex {
 namespace {
 
-constexpr double kFilled = 1.025;       // times the radius: a gap of half the width of a hole that does not count
-constexpr double kStep = 0.1;           // between samples, of the smallest radius
-constexpr double kSearch = 20;          // radii that the way back may be longer than twice the branch
+constexpr double kFilled = 1.1;  // times the radius: where tubes are nearer, the smooth surface has no hole
+constexpr double kStep = 0.1;    // between samples, of the smallest radius
+constexpr double kSearch = 20;   // radii that the way back may be longer than twice the branch
 constexpr std::size_t kMostSamples = 4000;  // around a loop: a longer one is not looked at
-constexpr std::size_t kSeams = 48;      // places where the two halves of a loop may meet
+constexpr std::size_t kSeams = 48;          // places where the two halves of a loop may meet
 
 /// Lengths that differ by rounding alone become the same number.
 std::int64_t quantised(double value, double unit) { return std::llround(value / unit * (1 << 20) + 0.3137); }
@@ -45,8 +45,8 @@ void add_pieces(const Branch& branch, std::vector<Piece>& pieces) {
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
     const Vec3 along = branch.points[i + 1] - branch.points[i];
     if (along.squaredNorm() > 0) {
-      pieces.push_back({branch.points[i], along, along.squaredNorm(), branch.radii[i],
-                        branch.radii[i + 1] - branch.radii[i]});
+      pieces.push_back(
+          {branch.points[i], along, along.squaredNorm(), branch.radii[i], branch.radii[i + 1] - branch.radii[i]});
     }
   }
 }
@@ -123,8 +123,8 @@ std::vector<Vec3> points_around(const Network& network, const Cycle& cycle, doub
   return points;
 }
 
-/// Whether a surface bounded by the cycle lies within its tubes. Two kinds are tried: the lines from the middle to the
-/// cycle, and the lines between its two halves, which serve long and narrow cycles, with a seam at many places.
+/// Whether a surface bounded by the cycle lies within its tubes. Two kinds are tried: the lines from the middle to
+/// the cycle, and the lines between its two halves, which serve long and narrow cycles, with a seam at many places.
 bool is_filled(const Network& network, const Cycle& cycle) {
   std::vector<Piece> pieces;
   double smallest = std::numeric_limits<double>::infinity();
