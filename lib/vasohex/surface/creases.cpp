@@ -16,7 +16,7 @@ constexpr double kGoesOn = 15 * std::numbers::pi / 180;
 constexpr double kStandsOut = 3, kStillStandsOut = 2;  // times the turn around
 constexpr double kSure = 0.6;                          // part of a crease's length
 constexpr double kRough = 0.1;                         // part of its points
-constexpr double kSmallest = 1;                        // extent, in radii
+constexpr double kSmallest = 2;                        // extent, in radii
 
 /// Angle by which the surface turns at each half-edge's edge; 0 at a rim.
 std::vector<double> turns(const TriSurface& surface, const std::vector<int>& opposite) {

@@ -21,7 +21,7 @@ struct Creases {
 /// An edge is sharp if the surface turns there by more than 15 degrees and twice as much as, in the mean, at the other
 /// edges of its two triangles: a coarse or rough triangulation turns everywhere. Sharp edges that hang together are a
 /// crease if most of their length turns by more than 50 degrees and three times as much as around, if they are as
-/// large as the local radius, and if at most a tenth of their points has another edge that turns half as much, or a
+/// large as the local diameter, and if at most a tenth of their points has another edge that turns half as much, or a
 /// fork: noise is as large as its creases.
 Creases find_creases(const TriSurface& surface, const std::function<double(const Vec3&)>& radius);
 
