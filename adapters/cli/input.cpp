@@ -100,7 +100,8 @@ void load_surface(const Input& input, const std::string& path, bool with_skeleto
     const SmoothReport& r = smooth.report;
     (*figures)["kind"] = "smooth";
     (*figures)["deviation"] = {{"max", r.deviation_max}, {"mean", r.deviation_mean}, {"at", xyz(r.deviation_place)}};
-    (*figures)["points"] = {{"all", r.points}, {"curved_triangles", r.curved}, {"facets", r.flat}};
+    (*figures)["points"] = {
+        {"all", r.points}, {"curved_triangles", r.curved}, {"facets", r.flat}, {"creases", r.creased}};
     return std::move(smooth.surface);
   };
   loaded.lumen->wall = [prepared](const ImplicitSurface& surface) { return points_on(prepared->surface, surface); };

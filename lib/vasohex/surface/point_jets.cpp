@@ -6,8 +6,12 @@
 
 namespace vasohex {
 
-PointJets::PointJets(const TriSurface& surface, std::vector<Vec3> normals)
-    : surface_(&surface), normals_(std::move(normals)), first_(surface.points.size() + 1, 0) {
+PointJets::PointJets(const TriSurface& surface, std::vector<Vec3> normals, std::vector<char> on_crease)
+    : surface_(&surface),
+      normals_(std::move(normals)),
+      on_crease_(std::move(on_crease)),
+      first_(surface.points.size() + 1, 0) {
+  on_crease_.resize(surface.points.size(), 0);
   std::vector<std::array<int, 2>> pairs;
   pairs.reserve(6 * surface.triangles.size());
   for (const auto& t : surface.triangles) {
@@ -44,7 +48,7 @@ double PointJets::mean_edge(int p) const {
 
 Jet PointJets::fit(int p, int rings, Space& space) const {
   const double size = mean_edge(p);
-  if (normals_[p].isZero() || !(size > 0)) {
+  if (normals_[p].isZero() || !(size > 0) || on_crease_[p]) {
     return {};
   }
   space.stamp.resize(surface_->points.size(), -1);
@@ -59,7 +63,9 @@ Jet PointJets::fit(int p, int rings, Space& space) const {
           continue;
         }
         space.stamp[*r] = p;
-        if (normals_[*r].dot(normals_[p]) > 0) {
+        if (on_crease_[*r]) {
+          space.points.push_back(surface_->points[*r]);
+        } else if (normals_[*r].dot(normals_[p]) > 0) {
           space.points.push_back(surface_->points[*r]);
           space.next.push_back(*r);
         }

@@ -12,7 +12,8 @@ namespace vasohex {
 class PointJets {
  public:
   /// \param normals unit, of the points; zero where there is none
-  PointJets(const TriSurface& surface, std::vector<Vec3> normals);
+  /// \param on_crease [points] 1 where sides of the surface meet that know nothing of each other; empty: nowhere
+  PointJets(const TriSurface& surface, std::vector<Vec3> normals, std::vector<char> on_crease = {});
 
   /// Work space of one thread.
   struct Space {
@@ -21,7 +22,7 @@ class PointJets {
   };
 
   /// The jet of point p from `rings` rings of neighbours, two more where these are less than 20 points; those whose
-  /// normals point the other way are left out. Degree 0 without a normal.
+  /// normals point the other way are left out, and those behind a crease. Degree 0 without a normal and on a crease.
   Jet fit(int p, int rings, Space& space) const;
 
   /// Lengths of the edges at point p.
@@ -35,6 +36,7 @@ class PointJets {
  private:
   const TriSurface* surface_;
   std::vector<Vec3> normals_;
+  std::vector<char> on_crease_;
   std::vector<int> first_, neighbours_;
 };
 

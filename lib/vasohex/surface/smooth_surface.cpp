@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "vasohex/core/box_nodes.h"
 #include "vasohex/core/parallel.h"
+#include "vasohex/surface/creases.h"
 #include "vasohex/surface/point_jets.h"
 #include "vasohex/surface/project.h"
 #include "vasohex/surface/refine_triangles.h"
@@ -80,11 +82,17 @@ class JetSurface final : public ImplicitSurface {
  public:
   JetSurface(PreparedSurface refined, const Network& network, const SmoothOptions& options, const Run& run,
              SmoothReport& report)
-      : facets_(std::move(refined), network), normals_(facets_.point_normals()) {
+      : facets_(std::move(refined), network),
+        creases_(find_creases(facets_.prepared().surface, [&](const Vec3& x) { return facets_.radius(x); })) {
     const TriSurface& s = facets_.prepared().surface;
     const int n = static_cast<int>(s.points.size());
     report.points = n;
-    const PointJets fits(s, normals_);
+    std::vector<char> on_crease(n);
+    for (int p = 0; p < n; ++p) {
+      on_crease[p] = creases_.at(p);
+      report.creased += on_crease[p];
+    }
+    const PointJets fits(s, facets_.point_normals(), on_crease);
     std::vector<double> longest(n);
     for (int p = 0; p < n; ++p) {
       longest[p] = fits.longest_edge(p);
@@ -95,8 +103,10 @@ class JetSurface final : public ImplicitSurface {
     std::vector<double> widest(n);
     std::vector<int> all(n);
     std::iota(all.begin(), all.end(), 0);
+    const double longest_of_all = n > 0 ? *std::max_element(longest.begin(), longest.end()) : 0;
     for (int p = 0; p < n; ++p) {
-      widest[p] = 2.5 * kBall * longest[p];  // found from points with edges twice as long, too
+      // found from points with edges twice as long, too; creases from wherever a ball may reach
+      widest[p] = on_crease[p] ? kBall * longest_of_all + longest[p] : 2.5 * kBall * longest[p];
     }
     const BallTree around(s.points, widest, all);
     parallel_for(run, n, 1024, [&](std::size_t begin, std::size_t end) {
@@ -105,7 +115,10 @@ class JetSurface final : public ImplicitSurface {
       for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
         jets[p] = fits.fit(p, options.rings, space);
         balls[p] = kBall * longest[p];
-        const double gap = gap_to_next_sheet(s, fits, around, p, balls[p], longest, members);
+        members.clear();
+        around.for_each_near(s.points[p], [&](int q) { members.push_back(q); });
+        balls[p] = std::min(balls[p], distance_to_crease(s, p, members));
+        const double gap = gap_to_next_sheet(s, fits, p, balls[p], longest, members);
         if (gap < balls[p]) {
           balls[p] = gap;
           capped[p] = 1;
@@ -118,10 +131,15 @@ class JetSurface final : public ImplicitSurface {
       report.capped += capped[p];
       const bool covers = jets[p].degree > 0 && balls[p] > 0.75 * longest[p];
       report.curved += !covers;
-      report.flat += normals_[p].isZero();
+      report.flat += facets_.point_normals()[p].isZero();
       if (jets[p].degree > 0 && balls[p] > 0) {
         with_jet.push_back(p);
-        normals_[p] = jets[p].normal();
+      }
+    }
+    for (std::size_t h = 0; h < creases_.normals.size(); ++h) {
+      const int p = s.triangles[h / 3][h % 3];
+      if (jets[p].degree > 0 && balls[p] > 0) {
+        creases_.normals[h] = jets[p].normal();
       }
     }
     balls_ = BallTree(s.points, balls, with_jet);
@@ -185,12 +203,22 @@ class JetSurface final : public ImplicitSurface {
   double radius(const Vec3& x) const override { return facets_.radius(x); }
 
  private:
+  /// Distance from p to the creases between the points `near`.
+  double distance_to_crease(const TriSurface& s, int p, const std::vector<int>& near) const {
+    double distance = std::numeric_limits<double>::infinity();
+    for (const int q : near) {
+      for (const int r : creases_.along[q]) {
+        distance = std::min(distance, distance_to_segment(s.points[p], s.points[q], s.points[r]));
+      }
+    }
+    return distance;
+  }
+
   /// Distance from p to points that no path within the ball joins to it, less what lies between such points.
-  static double gap_to_next_sheet(const TriSurface& s, const PointJets& fits, const BallTree& around, int p,
-                                  double ball, const std::vector<double>& longest, std::vector<int>& members) {
-    members.clear();
+  /// \param members all points there may be; those further than the gap could be go
+  static double gap_to_next_sheet(const TriSurface& s, const PointJets& fits, int p, double ball,
+                                  const std::vector<double>& longest, std::vector<int>& members) {
     const double reach = 1.25 * ball;
-    around.for_each_near(s.points[p], [&](int q) { members.push_back(q); });
     members.erase(std::remove_if(members.begin(), members.end(),
                                  [&](int q) { return (s.points[q] - s.points[p]).norm() > reach; }),
                   members.end());
@@ -227,14 +255,17 @@ class JetSurface final : public ImplicitSurface {
     return gap;
   }
 
-  /// Distance to the curved triangles; beyond rims and without normals, that of the facets.
+  /// Distance to the curved triangles; beyond rims and without normals, that of the facets. The edges of creases are
+  /// straight, or triangles of its two sides would not meet there.
   double curved(const Vec3& x, Vec3& gradient) const {
     const ClosestPoint c = facets_.closest(x);
     bool beyond = false;
     const double flat = facets_.value_from(x, c, gradient, beyond);
     const TriSurface& s = facets_.prepared().surface;
     const auto& t = s.triangles[c.triangle];
-    if (normals_[t[0]].isZero() || normals_[t[1]].isZero() || normals_[t[2]].isZero()) {
+    const Vec3* normals = &creases_.normals[3 * static_cast<std::size_t>(c.triangle)];
+    const char* creased = &creases_.edges[3 * static_cast<std::size_t>(c.triangle)];
+    if (normals[0].isZero() || normals[1].isZero() || normals[2].isZero()) {
       return flat;
     }
     Vec3 normal = Vec3::Zero(), q = Vec3::Zero(), edge_sum = Vec3::Zero(), corner_sum = Vec3::Zero();
@@ -242,14 +273,16 @@ class JetSurface final : public ImplicitSurface {
     for (int k = 0; k < 3; ++k) {
       const int i = t[k], j = t[(k + 1) % 3];
       const Vec3 along = s.points[j] - s.points[i];
+      const Vec3 &at_i = normals[k], &at_j = normals[(k + 1) % 3];
       size = std::max(size, along.norm());
-      const Vec3 near_i = (2 * s.points[i] + s.points[j] - along.dot(normals_[i]) * normals_[i]) / 3;
-      const Vec3 near_j = (2 * s.points[j] + s.points[i] + along.dot(normals_[j]) * normals_[j]) / 3;
+      const double bend = creased[k] ? 0 : 1;
+      const Vec3 near_i = (2 * s.points[i] + s.points[j] - bend * along.dot(at_i) * at_i) / 3;
+      const Vec3 near_j = (2 * s.points[j] + s.points[i] + bend * along.dot(at_j) * at_j) / 3;
       const double a = c.weights[k], b = c.weights[(k + 1) % 3];
       q += a * a * a * s.points[i] + 3 * a * b * (a * near_i + b * near_j);
       edge_sum += near_i + near_j;
       corner_sum += s.points[i];
-      normal += a * normals_[i];
+      normal += a * at_i;
     }
     q += 6 * c.weights[0] * c.weights[1] * c.weights[2] * (edge_sum / 4 - corner_sum / 6);
     normal.normalize();
@@ -264,7 +297,7 @@ class JetSurface final : public ImplicitSurface {
   }
 
   TriangleSurface facets_;
-  std::vector<Vec3> normals_;  ///< of the jets; angle-weighted where there is none
+  Creases creases_;  ///< with the jets' normals; angle-weighted ones where there is no jet
   std::vector<Jet> jets_;
   std::vector<double> radii_;
   BallTree balls_{{}, {}, {}};

@@ -21,6 +21,7 @@ struct SmoothReport {
   int points = 0;                ///< after refinement
   std::array<int, 4> degrees{};  ///< [degree] points with a jet of it; [0]: none could be fitted
   int capped = 0;                ///< balls made smaller because another sheet is near
+  int creased = 0;               ///< points on creases
   int curved = 0;                ///< points around which curved triangles stand in for jets
   int flat = 0;                  ///< of those, points without a normal: the facets
   double deviation_max = 0;      ///< from the facets, over the local radius
