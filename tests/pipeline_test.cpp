@@ -81,6 +81,18 @@ TEST(RandomJunctions, AreCertified) {
   }
 }
 
+/// Six of eight arms in a half-sphere: trees of cubes two deep. Crotches so sharp that wall nodes must change sides.
+TEST(ManyArms, AreCertified) {
+  for (const int seed : {15, 27}) {
+    SCOPED_TRACE(seed);
+    const SkeletonMesh m = mesh_skeleton(gallery::random_star(8, seed, 30), with(3, 6));
+    const QualityReport q = measure_quality(m.result.mesh);
+    EXPECT_EQ(q.certified, m.result.mesh.element_count());
+    EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));
+    EXPECT_GT(q.scaled_jacobian.min, 0.4);
+  }
+}
+
 TEST(NearJunctions, AreCertified) {
   // arms of different junctions that leave their trunk side by side; a thin arm along a thick one
   for (const Skeleton& skeleton : {gallery::dumbbell(0.5, 0), gallery::dumbbell(0.5, 30), gallery::dumbbell(0.5, 45),

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "vasohex/core/equal_shares.h"
 #include "vasohex/core/node_family.h"
 
 namespace vasohex {
@@ -161,14 +162,8 @@ std::vector<double> stations(const Branch& branch, double s0, double s1, double 
   }
   const int count = std::max(at_least, static_cast<int>(std::lround(blocks_before.back())));
   std::vector<double> s{s0};
-  int i = 0;
-  for (int b = 1; b < count; ++b) {
-    const double wanted = blocks_before.back() * b / count;
-    while (blocks_before[i + 1] < wanted) {
-      ++i;
-    }
-    const double part = (wanted - blocks_before[i]) / (blocks_before[i + 1] - blocks_before[i]);
-    s.push_back(s0 + (s1 - s0) * (i + part) / kSamples);
+  for (const auto& [i, part] : equal_shares(blocks_before, count)) {
+    s.push_back(s0 + (s1 - s0) * (static_cast<double>(i) + part) / kSamples);
   }
   s.push_back(s1);
   return s;

@@ -96,6 +96,9 @@ constexpr double kHardlyRepaired = -0.5;
 /// Scaled Jacobians this much above the least are raised with it.
 constexpr double kAimHigher = 0.1;
 
+/// Of refining, each to gain kAimHigher at most.
+constexpr int kMostRounds = 8;
+
 /// How many samples blocks are judged by: at first, and before they are kept.
 enum class Look { quick, close };
 
@@ -109,6 +112,7 @@ class Optimiser {
 
   /// Degree 2: the placed nodes, or those of 15 Laplace sweeps if their energy is lower. Returns the energy.
   double place() {
+    blocks_.keep_sides(false);
     blocks_.place();
     EnergyTerms terms = at_blocks(5);
     terms.epsilon = 0.1;
@@ -154,7 +158,7 @@ class Optimiser {
   BlockSolution refine(const BlockSolution& start, double goal, bool quick) {
     adopt(start.nodes);
     BlockSolution solution = judge(Look::close);
-    for (int round = 0; round < 3 && solution.min_jacobian < goal; ++round) {
+    for (int round = 0; round < kMostRounds && solution.min_jacobian < goal; ++round) {
       raise_mesh(quick && round == 0 ? kFewSamples : kMeshSamples);
       BlockSolution next = judge(Look::close);
       const bool gains = next.min_jacobian > solution.min_jacobian + 0.01;
@@ -293,6 +297,7 @@ class Optimiser {
       minimise_here(terms, 25, 1e-4);
     }
     update_lengths();
+    blocks_.keep_sides(true);
   }
 
   /// Lifts the blocks to `degree`, unfolds what that folded, then raises the worst scaled Jacobians.

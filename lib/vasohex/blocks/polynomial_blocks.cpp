@@ -152,13 +152,17 @@ void PolynomialBlocks::place_sections(bool sliding) {
   }
 }
 
+Vec3 PolynomialBlocks::plane_normal(int node) const {
+  return plane_[node] < 0 ? Vec3(Vec3::Zero()) : problem_->sections[plane_[node]].frame.normal();
+}
+
 void PolynomialBlocks::retract(Points& y) {
   const double reach = 0.5 * mean_length_;
   for (std::size_t w = 0; w < wall_nodes_.size(); ++w) {
     const int i = wall_nodes_[w];
-    const Vec3 outward = normals_.row(i);  // as last time
+    const Vec3 outward = keeps_sides_ ? Vec3(normals_.row(i)) : Vec3(Vec3::Zero());  // as last time
     Vec3 p = y.row(i), gradient;
-    const Vec3 plane = plane_[i] < 0 ? Vec3::Zero() : problem_->sections[plane_[i]].frame.normal();
+    const Vec3 plane = plane_normal(i);
     for (int iteration = 0; iteration < 12; ++iteration) {
       const double f = wall_.value_facing(w, p, outward, gradient);
       gradient -= plane.dot(gradient) * plane;
@@ -266,7 +270,7 @@ void PolynomialBlocks::make_tangential(Points& v) const {
     if (kinds_[i] == NodeKind::fixed) {
       v.row(i).setZero();
     } else if (plane_[i] >= 0) {
-      const Vec3 plane = problem_->sections[plane_[i]].frame.normal();
+      const Vec3 plane = plane_normal(i);
       v.row(i) -= v.row(i).dot(plane) * plane;
     }
   }
@@ -379,8 +383,7 @@ std::vector<Vec3> PolynomialBlocks::wall_shifts() const {
         }
         // the mesh's nodes on the rim of an end stay in its plane
         const auto beside = [&](int i) { return i == 0 ? 0 : i == m - 1 ? degree_ : n / 2; };
-        const int section = plane_[ids[beside(s) + n * beside(t)]];
-        const Vec3 plane = section < 0 ? Vec3::Zero() : problem_->sections[section].frame.normal();
+        const Vec3 plane = plane_normal(ids[beside(s) + n * beside(t)]);
         const Vec3 start = p;
         Vec3 gradient;
         for (int iteration = 0; iteration < 6; ++iteration) {
@@ -478,7 +481,7 @@ double PolynomialBlocks::wall_distance(const Points& y, double wall_weight, Poin
                               normals_.row(ids[s + n * (t + 1)]) + normals_.row(ids[s + 1 + n * (t + 1)]))
                                  .transpose()
                                  .normalized();
-        const double value = wall_.value_facing(sample++, p, outward, g);
+        const double value = wall_.value_facing(sample++, p, keeps_sides_ ? outward : Vec3(Vec3::Zero()), g);
         const double g2 = std::max(g.squaredNorm(), 1e-300);
         total += weight * value * value / g2;
         gap2 = std::max(gap2, value * value / (g2 * length * length));

@@ -92,6 +92,10 @@ class PolynomialBlocks {
   /// Puts the nodes of the sections where their cross-sections are; those that slide too if `sliding`.
   void place_sections(bool sliding);
 
+  /// Whether the wall is taken to face where it did, on its own side of a gap between vessels. That of folded blocks
+  /// may have to change sides; from the start it is kept.
+  void keep_sides(bool keep) { keeps_sides_ = keep; }
+
   /// Wall nodes onto the wall's model by Newton's method, in the plane of a section that they slide in; remembers the
   /// normals there.
   void retract(Points& y);
@@ -159,6 +163,8 @@ class PolynomialBlocks {
   }
 
  private:
+  /// Of the plane that a node slides in; zero if it does not.
+  Vec3 plane_normal(int node) const;
   struct WallFace {
     int block, face;
   };
@@ -191,8 +197,9 @@ class PolynomialBlocks {
   std::vector<WallFace> wall_faces_;
   std::vector<int> wall_nodes_;
   std::vector<int> plane_;  ///< [nodes] the section in whose plane the node slides; -1: none
-  WallModel wall_;  ///< of the wall nodes, then of the samples between them
+  WallModel wall_;          ///< of the wall nodes, then of the samples between them
   Points normals_;
+  bool keeps_sides_ = true;
   std::vector<double> wall_values_;  ///< [degree][degree + 1]: between the nodes
   std::vector<std::array<double, 3>> lengths_;
   std::vector<double> inverse_lengths_;

@@ -78,6 +78,30 @@ void keep_best(std::vector<Arrangement>& all, std::size_t count) {
   all.resize(std::min(all.size(), count));
 }
 
+/// The same after a closer look, at blocks whose walls are in place.
+void keep_best_placed(const ImplicitSurface& surface, std::vector<Arrangement>& all, std::size_t count) {
+  for (Arrangement& a : all) {
+    a.energy = placed_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
+  }
+  keep_best(all, count);
+}
+
+/// All ways to divide the arrangement's hub `h` among cubes.
+std::vector<Arrangement> divided(const Arrangement& a, int h) {
+  std::vector<Arrangement> all;
+  if (a.cluster[h].arms.size() <= 3) {
+    return all;
+  }
+  for (const Cluster& cluster : split_hub(a.cluster, h)) {
+    Arrangement d{cluster, a.assignments};
+    for (std::size_t s = a.cluster.size(); s < cluster.size(); ++s) {
+      d.assignments.push_back(assignments_of(cluster[s], 1).front());
+    }
+    all.push_back(std::move(d));
+  }
+  return all;
+}
+
 /// Arrangements of hub `h`, as one cube, a tree of cubes or one cube with a hub that is near, with the other hubs as
 /// they are; the most promising first, at least one.
 std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
@@ -98,14 +122,7 @@ std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arra
   }
   // `a` with its hub `changed` divided in all ways
   const auto add_divided = [&](const Arrangement& a, int changed) {
-    if (a.cluster[changed].arms.size() <= 3) {
-      return;
-    }
-    for (const Cluster& divided : split_hub(a.cluster, changed)) {
-      Arrangement d{divided, a.assignments};
-      for (std::size_t s = a.cluster.size(); s < divided.size(); ++s) {
-        d.assignments.push_back(assignments_of(divided[s], 1).front());
-      }
+    for (const Arrangement& d : divided(a, changed)) {
       add(d, changed, 1);
     }
   };
@@ -122,10 +139,32 @@ std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arra
     throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
   }
   keep_best(all, first_choice);
-  for (Arrangement& a : all) {
-    a.energy = placed_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
+  keep_best_placed(surface, all, count);
+  return all;
+}
+
+/// Trees of cubes one deeper: hub `h` divided, what is left of it divided again; the most promising first. What one
+/// division leaves at the centre may be too much for a cube: six of eight branches in a half-sphere.
+std::vector<Arrangement> deeper_arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
+                                             std::size_t count) {
+  constexpr std::size_t kOnceDivided = 24;
+  constexpr std::size_t kTwiceDivided = 64;
+  const auto most_promising = [&](std::vector<Arrangement> all, std::size_t most) {
+    for (Arrangement& a : all) {
+      a.assignments[h] = assignments_of(a.cluster[h], 1).front();
+      a.energy = straight_energy(cluster_blocks(surface, a.cluster, a.assignments).problem);
+    }
+    keep_best(all, most);
+    return all;
+  };
+  std::vector<Arrangement> all;
+  for (const Arrangement& once : most_promising(divided(now, h), kOnceDivided)) {
+    for (Arrangement& twice : divided(once, h)) {
+      all.push_back(std::move(twice));
+    }
   }
-  keep_best(all, count);
+  all = most_promising(std::move(all), kTwiceDivided);
+  keep_best_placed(surface, all, count);
   return all;
 }
 
@@ -186,6 +225,14 @@ class Search {
         break;
       }
     }
+  }
+
+  /// Deeper trees of cubes for a junction alone of more arms than a cube takes, where the others fail.
+  void arrange_deeper(const Cluster& cluster) {
+    if (cluster.size() > 1 || cluster.front().arms.size() <= kCubeArms || reached(kPatientBelow)) {
+      return;
+    }
+    attempt_all(deeper_arrangements(surface_, {cluster, {{}}}, 0, 2 * std::max(1, options_.candidates)));
   }
 
   /// Of several hubs the weakest is arranged anew, then the next, unless the blocks of one stay folded: those of the
@@ -284,6 +331,7 @@ ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& clust
     search.attempt(first_arrangement(surface, cluster), !alone);
   }
   search.arrange_alone(cluster, std::clamp(options.candidates, 1, kMostPatient));
+  search.arrange_deeper(cluster);
   search.rearrange_weakest(std::min(6, options.candidates));
   return search.result();
 }

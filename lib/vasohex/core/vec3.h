@@ -20,6 +20,7 @@ inline double nearest_on_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
   return std::clamp((x - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
 }
 
+/// From x to the nearest point of the segment.
 inline double distance_to_segment(const Vec3& x, const Vec3& a, const Vec3& b) {
   return (a + nearest_on_segment(x, a, b) * (b - a) - x).norm();
 }

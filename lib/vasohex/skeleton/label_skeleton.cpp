@@ -353,12 +353,10 @@ void append(const Line& line, std::vector<int>& point_of, const std::vector<Node
 LabelSkeleton extract_skeleton(const LabelVolume& given, const LabelSkeletonOptions& options, const Run& run) {
   check(given);
   LabelSkeleton result;
-  LabelVolume filled = cropped(given, 2 + static_cast<int>(std::ceil(options.least_hole * given.spacing.mean() /
-                                                                     given.spacing.minCoeff())));
-  if (options.least_hole > 0) {
-    fill_narrow_holes(filled, options.least_hole * filled.spacing.mean(), result.repairs, run);
-  }
-  CleanLabels clean = clean_labels(filled, options.least_voxels, kLevelSetMargin);
+  const double least_hole = options.least_hole * given.spacing.mean();
+  CleanLabels clean =
+      clean_labels(least_hole > 0 ? without_narrow_holes(given, least_hole, result.repairs, run) : given,
+                   options.least_voxels, kLevelSetMargin);
   const LabelVolume& volume = clean.volume;
   result.components = clean.components;
   result.tunnels = clean.tunnels;

@@ -16,7 +16,7 @@ namespace vasohex {
 struct LabelSkeletonOptions {
   /// Components of fewer voxels are left out.
   std::size_t least_voxels = 50;
-  /// Holes narrower than so many voxels (mean spacing) are filled (fill_narrow_holes).
+  /// Holes narrower than so many voxels (mean spacing) are filled (without_narrow_holes).
   double least_hole = 2;
   /// By how much a branch must stick out of the lumen around its junction, in its own radii.
   double least_branch = 2;

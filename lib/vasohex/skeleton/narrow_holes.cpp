@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "vasohex/core/short_text.h"
 #include "vasohex/skeleton/thinning.h"
@@ -55,7 +56,9 @@ long euler_gain(const LabelVolume& volume, const std::vector<std::size_t>& voxel
 
 }  // namespace
 
-void fill_narrow_holes(LabelVolume& volume, double width, std::vector<std::string>& repairs, const Run& run) {
+LabelVolume without_narrow_holes(const LabelVolume& given, double width, std::vector<std::string>& repairs,
+                                 const Run& run) {
+  LabelVolume volume = cropped(given, 2 + static_cast<int>(std::ceil(width / given.spacing.minCoeff())));
   // between the centres of voxels a gap is a voxel wider
   LabelVolume sheets = closed(volume, 0.5 * (width + volume.spacing.mean()), run);
   std::vector<std::size_t> lumen;
@@ -81,11 +84,10 @@ void fill_narrow_holes(LabelVolume& volume, double width, std::vector<std::strin
     for (const std::size_t i : sheet) {
       volume.inside[i] = 1;
     }
-    const Vec3 at = volume.centre(first);
-    repairs.push_back("hole narrower than " + short_text(width) + " at (" + short_text(at.x()) + " " +
-                      short_text(at.y()) + " " + short_text(at.z()) + ") filled: " + std::to_string(sheet.size()) +
-                      (sheet.size() == 1 ? " voxel" : " voxels"));
+    repairs.push_back("hole narrower than " + short_text(width) + " at " + short_text(volume.centre(first)) +
+                      " filled: " + voxel_count(sheet.size()));
   }
+  return volume;
 }
 
 }  // namespace vasohex

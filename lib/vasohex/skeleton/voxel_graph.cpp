@@ -10,8 +10,7 @@ namespace vasohex {
 namespace {
 
 std::string place_of(const LabelVolume& volume, std::size_t voxel) {
-  const Vec3 p = volume.centre(voxel);
-  return "(" + short_text(p.x()) + " " + short_text(p.y()) + " " + short_text(p.z()) + ")";
+  return short_text(volume.centre(voxel));
 }
 
 /// Voxels with their neighbours among themselves.

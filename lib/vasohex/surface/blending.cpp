@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "vasohex/core/disjoint_sets.h"
+#include "vasohex/core/equal_shares.h"
 #include "vasohex/core/smooth_step.h"
 
 namespace vasohex {
@@ -127,13 +128,7 @@ std::vector<double> cut_branch(const Branch& branch, double first_ball, double l
   }
   const int pieces = static_cast<int>(std::min(radii_of_arc.back() / 6 + 1e-6, 1e6));
   std::vector<double> cuts;
-  std::size_t k = 0;
-  for (int piece = 1; piece < pieces; ++piece) {
-    const double target = radii_of_arc.back() * piece / pieces;
-    while (radii_of_arc[k + 1] < target) {
-      ++k;
-    }
-    const double part = (target - radii_of_arc[k]) / (radii_of_arc[k + 1] - radii_of_arc[k]);
+  for (const auto& [k, part] : equal_shares(radii_of_arc, pieces)) {
     const double arc = branch.arc[k] + part * (branch.arc[k + 1] - branch.arc[k]);
     const double outer = cut_ball(branch, arc).outer;
     if (arc > first_ball + outer && arc < branch.length() - last_ball - outer) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "vasohex/core/equal_shares.h"
 #include "vasohex/core/smooth_step.h"
 
 namespace vasohex {
@@ -24,13 +25,8 @@ std::vector<double> sample_arc(const Branch& branch, double from, double to) {
   // a hair less than a whole number: rounding must not add a sample
   const int pieces = std::max(2, static_cast<int>(std::ceil(measure.back() / 0.45 - 1e-6)));
   std::vector<double> arc{from};
-  int k = 0;
-  for (int i = 1; i < pieces; ++i) {
-    const double target = measure.back() * i / pieces;
-    while (measure[k + 1] < target) {
-      ++k;
-    }
-    const double part = (target - measure[k]) / (measure[k + 1] - measure[k]);
+  for (const auto& [index, part] : equal_shares(measure, pieces)) {
+    const int k = static_cast<int>(index);
     arc.push_back(at(k) + part * (at(k + 1) - at(k)));
   }
   arc.push_back(to);

@@ -8,11 +8,8 @@
 #include "vasohex/skeleton/clean.h"
 
 namespace vasohex {
-namespace {
 
-std::string count_of(std::size_t voxels) { return std::to_string(voxels) + (voxels == 1 ? " voxel" : " voxels"); }
-
-}  // namespace
+std::string voxel_count(std::size_t voxels) { return std::to_string(voxels) + (voxels == 1 ? " voxel" : " voxels"); }
 
 std::vector<std::size_t> flood(const LabelVolume& volume, std::size_t seed, std::uint8_t of, bool faces_only,
                                std::vector<std::uint8_t>& marked) {
@@ -146,9 +143,8 @@ CleanLabels clean_labels(const LabelVolume& given, std::size_t least_voxels, int
   for (std::size_t i = 0; i < volume.inside.size(); ++i) {
     if (!volume.inside[i] && !marked[i]) {
       const std::vector<std::size_t> cavity = flood(volume, i, 0, true, marked);
-      const Vec3 at = volume.centre(i);
-      result.repairs.push_back("cavity of " + count_of(cavity.size()) + " at (" + short_text(at.x()) + " " +
-                               short_text(at.y()) + " " + short_text(at.z()) + ") filled");
+      result.repairs.push_back("cavity of " + voxel_count(cavity.size()) + " at " + short_text(volume.centre(i)) +
+                               " filled");
       filled.insert(filled.end(), cavity.begin(), cavity.end());
     }
   }
@@ -174,9 +170,8 @@ CleanLabels clean_labels(const LabelVolume& given, std::size_t least_voxels, int
     for (const std::size_t i : group) {
       volume.inside[i] = 0;
     }
-    const Vec3 at = volume.centre(group.front());
-    result.repairs.push_back("fragment of " + count_of(group.size()) + " at (" + short_text(at.x()) + " " +
-                             short_text(at.y()) + " " + short_text(at.z()) + ") left out");
+    result.repairs.push_back("fragment of " + voxel_count(group.size()) + " at " +
+                             short_text(volume.centre(group.front())) + " left out");
   }
   result.tunnels = static_cast<int>(result.components - euler_number(volume));
   result.volume = cropped(volume, margin);

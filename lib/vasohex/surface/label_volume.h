@@ -52,6 +52,9 @@ std::vector<std::size_t> flood(const LabelVolume& volume, std::size_t seed, std:
 /// components - tunnels + cavities.
 long euler_number(const LabelVolume& volume);
 
+/// `1 voxel`, `7 voxels`
+std::string voxel_count(std::size_t voxels);
+
 /// What was cleaned from a segmentation, and what it looks like after.
 struct CleanLabels {
   LabelVolume volume;
