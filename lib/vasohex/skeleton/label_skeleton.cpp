@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "vasohex/core/parallel.h"
-#include "vasohex/core/short_text.h"
+#include "vasohex/skeleton/axis_steps.h"
 #include "vasohex/skeleton/lumen_section.h"
 #include "vasohex/skeleton/narrow_holes.h"
 #include "vasohex/skeleton/smooth_path.h"
@@ -20,9 +20,6 @@ namespace {
 constexpr double kLeastTip = 1.0;  // what sticks out by more than this many radii of the lumen may be a vessel
 constexpr double kSpacing = 0.4;   // radii between points
 constexpr int kCentrings = 8;
-constexpr double kThinAxis = 0.2;  // mean spacings: least radius around an axis
-constexpr double kNeck = 1.0;      // of the thinner vessel's radius, where vessels touch
-constexpr int kNearNeck = 5;       // voxels of the axis within which that radius is looked for
 constexpr double kWholeSection = 0.9;  // radius of an end's section over that of its vessel
 
 /// The middle line between two nodes, both included.
@@ -276,53 +273,6 @@ Line line_of(const LabelVolume& volume, const std::vector<float>& distances, con
   return line;
 }
 
-/// Whether two neighbouring voxels touch by an edge or a corner only: no way of voxels inside that share faces leads
-/// from one to the other through the box of both.
-bool only_touch(const LabelVolume& volume, std::size_t first, std::size_t second) {
-  const std::array<int, 3> a = volume.voxel(first), b = volume.voxel(second);
-  const int apart = (a[0] != b[0]) + (a[1] != b[1]) + (a[2] != b[2]);
-  if (apart < 2) {
-    return false;
-  }
-  std::array<int, 3> order{0, 1, 2};
-  do {
-    std::array<int, 3> v = a;
-    bool inside = true;
-    for (const int d : order) {
-      v[d] = b[d];
-      inside &= volume.inside[volume.index(v[0], v[1], v[2])] != 0;
-    }
-    if (inside) {
-      return false;
-    }
-  } while (std::next_permutation(order.begin(), order.end()));
-  return true;
-}
-
-/// The steps of a chain. Where voxels only touch, nothing is known of the width there, and a lumen of a fraction of a
-/// voxel between two vessels could not be meshed: it is made kNeck of the thinner one's radius nearby.
-void add_steps(const LabelVolume& volume, const VoxelChain& chain, const std::vector<double>& radii,
-               std::vector<AxisStep>& axis, std::vector<std::string>& repairs) {
-  const double thin = kThinAxis * volume.spacing.mean();
-  for (std::size_t k = 1; k < chain.voxels.size(); ++k) {
-    AxisStep step{{chain.voxels[k - 1], chain.voxels[k]}, thin};
-    if (only_touch(volume, step.voxels[0], step.voxels[1])) {
-      const auto at = radii.begin() + static_cast<std::ptrdiff_t>(k);
-      const auto before = std::min<std::ptrdiff_t>(kNearNeck, at - radii.begin());
-      const auto after = std::min<std::ptrdiff_t>(kNearNeck, radii.end() - at);
-      const double neck = kNeck * std::min(*std::max_element(at - before, at), *std::max_element(at, at + after));
-      if (neck > thin) {
-        step.radius = neck;
-        const Vec3 place = 0.5 * (volume.centre(step.voxels[0]) + volume.centre(step.voxels[1]));
-        repairs.push_back("vessels touch at (" + short_text(place.x()) + " " + short_text(place.y()) + " " +
-                          short_text(place.z()) + ") by an edge or a corner of voxels: joined there with radius " +
-                          short_text(neck));
-      }
-    }
-    axis.push_back(step);
-  }
-}
-
 void append(const Line& line, std::vector<int>& point_of, const std::vector<Node>& nodes, Skeleton& skeleton) {
   const auto point = [&](const Vec3& position, double radius) {
     skeleton.points.push_back(position);
@@ -373,7 +323,7 @@ LabelSkeleton extract_skeleton(const LabelVolume& given, const LabelSkeletonOpti
   std::vector<Line> lines;
   for (const VoxelChain& chain : graph.chains) {
     lines.push_back(line_of(volume, distances, chain));
-    add_steps(volume, chain, lines.back().radii, axis, result.repairs);
+    add_axis_steps(volume, chain.voxels, lines.back().radii, axis, result.repairs);
   }
   std::vector<double> depth;
   for (const std::size_t v : graph.nodes) {
