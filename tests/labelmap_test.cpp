@@ -420,6 +420,49 @@ TEST(Labelmap, HolesNarrowerThanVoxelsTellAreFilled) {
   EXPECT_TRUE(s.repairs.empty());
 }
 
+TEST(Labelmap, VesselsThatTouchByAnEdgeOrACornerAreJoined) {
+  for (const bool by_corner : {false, true}) {
+    // two straight vessels of 4 x 4 voxels, between them one voxel or two
+    LabelVolume volume;
+    volume.size = {50, 40, 40};
+    volume.spacing = {0.5, 0.5, 0.6};
+    volume.inside.assign(static_cast<std::size_t>(50) * 40 * 40, 0);
+    for (int along = 5; along < 45; ++along) {
+      for (int a = 0; a < 4; ++a) {
+        for (int b = 0; b < 4; ++b) {
+          volume.inside[volume.index(along, 14 + a, 14 + b)] = 1;
+          volume.inside[volume.index(along, 19 + a, 19 + b)] = 1;
+        }
+      }
+    }
+    if (by_corner) {
+      volume.inside[volume.index(25, 18, 17)] = volume.inside[volume.index(26, 19, 18)] = 1;
+    } else {
+      volume.inside[volume.index(25, 18, 18)] = 1;
+    }
+    const LabelSkeleton found = extract_skeleton(volume);
+    EXPECT_EQ(found.components, 1);
+    EXPECT_EQ(found.ends.size(), 4u);
+    EXPECT_TRUE(std::any_of(found.repairs.begin(), found.repairs.end(), [](const std::string& line) {
+      return line.find("touch at") != std::string::npos;
+    }));
+    for (const auto& [a, b] : found.skeleton.segments) {
+      const Vec3 from = found.skeleton.points[a], to = found.skeleton.points[b];
+      // room for the blocks of a junction all along
+      for (double t = 0; t < 1; t += 0.25) {
+        const Vec3 at = (1 - t) * from + t * to, along = (to - from).normalized();
+        for (double angle = 0; angle < 6; angle += 0.5) {
+          const Vec3 side = along.unitOrthogonal();
+          const Vec3 round = std::cos(angle) * side + std::sin(angle) * along.cross(side);
+          double value = 1;
+          EXPECT_TRUE(found.level_set->value(at + 0.3 * round, value, nullptr));
+          EXPECT_LT(value, 0) << at.transpose();
+        }
+      }
+    }
+  }
+}
+
 TEST(Labelmap, ResultsDoNotDependOnThreads) {
   const auto shape = [](const Vec3& x) {
     return std::min(to_segment(x, {0, 0, 0}, {20, 6, 3}) - 3, to_segment(x, {9, 3, 1}, {12, -12, 8}) - 2);

@@ -172,6 +172,33 @@ TEST(TieEnds, ProlongsAndCutsAndNamesTheRest) {
   }
 }
 
+TEST(TieEnds, LeavesVesselsAloneThatTurnRound) {
+  // a hairpin, its legs 4 radii apart: the other leg reaches beyond the plane of the end
+  Skeleton s;
+  const auto add = [&](double x, double y) {
+    s.points.emplace_back(x, y, 0);
+    s.radii.push_back(1);
+    if (s.points.size() > 1) {
+      s.segments.push_back({static_cast<int>(s.points.size()) - 2, static_cast<int>(s.points.size()) - 1});
+    }
+  };
+  for (double x = 0; x < 4; x += 0.4) {
+    add(x, 0);
+  }
+  for (double angle = 0; angle < std::numbers::pi; angle += 0.2) {
+    add(4 + 2 * std::sin(angle), 2 - 2 * std::cos(angle));
+  }
+  for (double x = 4; x > -9; x -= 0.4) {
+    add(x, 4);
+  }
+  const Skeleton before = s;
+  std::vector<std::string> notes;
+  EXPECT_EQ(tie_ends(s, {{s.points[0], -Vec3::UnitX(), 1}}, notes), std::vector<int>{0});
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    EXPECT_LT((s.points[i] - before.points[i]).norm(), 0.1) << i;
+  }
+}
+
 /// A tube along x from 0, closed by a half sphere: radius 1.
 class TestTube final : public ImplicitSurface {
  public:

@@ -122,17 +122,21 @@ bool same_places(const Cluster& a, const Cluster& b) {
   });
 }
 
-/// Clusters that failed, or nearly, are solved with their cubes and caps at other places, and the best is kept.
+/// Clusters that failed, or nearly, are solved with their cubes and caps at other places, and the best is kept. Not
+/// those of more than kMostMoved hubs: that takes longest, and has not made one valid in any network seen.
 void try_other_places(const Network& network, const ImplicitSurface& surface, const std::vector<Cluster>& clusters,
                       const BlockOptions& options, const Run& run, std::vector<ClusterResult>& solved) {
   // less than where solve_cluster() gets patient: here each try is a search of its own
   constexpr double kNearlyFailed = 0.35;
+  constexpr std::size_t kMostMoved = 2;
   constexpr double kAtNode = std::numeric_limits<double>::infinity();
   constexpr std::array<Placement, 5> kPlaces{{{1, 0.5}, {0.3, 0}, {-0.5, 0}, {kAtNode, 0}, {kAtNode, 0.5}}};
+  std::vector<std::vector<Cluster>> tried{clusters};
   for (const Placement& placement : kPlaces) {
     std::vector<std::size_t> failed;
     for (std::size_t c = 0; c < clusters.size(); ++c) {
-      if (!solved[c].solution.certified || solved[c].solution.min_jacobian < kNearlyFailed) {
+      const BlockSolution& now = solved[c].solution;
+      if (clusters[c].size() <= kMostMoved && (!now.certified || now.min_jacobian < kNearlyFailed)) {
         failed.push_back(c);
       }
     }
@@ -143,7 +147,8 @@ void try_other_places(const Network& network, const ImplicitSurface& surface, co
     parallel_for(run, failed.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const Cluster& now = moved[failed[i]];
-        if (same_places(now, clusters[failed[i]])) {
+        if (std::any_of(tried.begin(), tried.end(),
+                        [&](const std::vector<Cluster>& t) { return same_places(now, t[failed[i]]); })) {
           continue;
         }
         ClusterResult& best = solved[failed[i]];
@@ -159,6 +164,7 @@ void try_other_places(const Network& network, const ImplicitSurface& surface, co
         best.cpu_seconds = cpu_seconds;
       }
     });
+    tried.push_back(moved);
   }
 }
 

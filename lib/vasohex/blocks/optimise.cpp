@@ -91,6 +91,8 @@ bool is_coarse(const MeshDivision& mesh) { return mesh_tables(block_nodes_1d(), 
 
 /// Scaled Jacobian above which blocks gain no more by moving. [measured: .75 leaves junctions of three at .78]
 constexpr double kJacobianGoal = 0.85;
+/// Tries that end below this are seldom mended, which takes as long as all the rest.
+constexpr double kHardlyRepaired = -0.5;
 /// Scaled Jacobians this much above the least are raised with it.
 constexpr double kAimHigher = 0.1;
 
@@ -140,7 +142,8 @@ class Optimiser {
     stage(3, 5, 8, 20);
     stage(kBlockDegree, 7, 16, 40);
     BlockSolution solution = judge();
-    for (int repair = 0; repair < 2 && !solution.certified; ++repair) {
+    const bool worth_repair = patient || solution.min_jacobian > kHardlyRepaired;
+    for (int repair = 0; repair < 2 && !solution.certified && worth_repair; ++repair) {
       stage(kBlockDegree, 9, 16, 25);
       BlockSolution next = judge();
       if (next.is_better_than(solution)) {

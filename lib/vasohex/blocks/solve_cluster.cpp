@@ -235,18 +235,21 @@ class Search {
     attempt_all(deeper_arrangements(surface_, {cluster, {{}}}, 0, 2 * std::max(1, options_.candidates)));
   }
 
-  /// Of several hubs the weakest is arranged anew, then the next.
+  /// Of several hubs the weakest is arranged anew, then the next, unless the blocks of one stay folded: those of the
+  /// others do not unfold them.
   void rearrange_weakest(int most_rounds) {
     std::vector<char> done(found_.empty() ? 0 : found_.front().cluster.size(), 0);
     for (int round = 0; round < most_rounds && done.size() > 1 && !is_good(); ++round) {
       const std::vector<double> least = least_of_hubs(found_.front());
       std::optional<int> weakest;
+      bool stays_folded = false;
       for (int h = 0; h < static_cast<int>(least.size()); ++h) {
+        stays_folded |= done[h] && least[h] < 0;
         if (!done[h] && least[h] < options_.good_jacobian && (!weakest || least[h] < least[*weakest])) {
           weakest = h;
         }
       }
-      if (!weakest) {
+      if (!weakest || stays_folded) {
         break;
       }
       const Arrangement now{found_.front().cluster, found_.front().assignments};

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "vasohex/core/parallel.h"
+#include "vasohex/skeleton/axis_steps.h"
 #include "vasohex/skeleton/lumen_section.h"
 #include "vasohex/skeleton/narrow_holes.h"
 #include "vasohex/skeleton/smooth_path.h"
@@ -318,15 +319,11 @@ LabelSkeleton extract_skeleton(const LabelVolume& given, const LabelSkeletonOpti
   if (graph.chains.empty()) {
     throw Error(ErrorCode::bad_input, "no vessel found in the segmentation: nothing in it is longer than wide");
   }
-  std::vector<std::array<std::size_t, 2>> axis;
-  for (const VoxelChain& chain : graph.chains) {
-    for (std::size_t k = 1; k < chain.voxels.size(); ++k) {
-      axis.push_back({chain.voxels[k - 1], chain.voxels[k]});
-    }
-  }
+  std::vector<AxisStep> axis;
   std::vector<Line> lines;
   for (const VoxelChain& chain : graph.chains) {
     lines.push_back(line_of(volume, distances, chain));
+    add_axis_steps(volume, chain.voxels, lines.back().radii, axis, result.repairs);
   }
   std::vector<double> depth;
   for (const std::size_t v : graph.nodes) {

@@ -13,6 +13,7 @@ namespace {
 constexpr double kAside = 1.2;   // radii from an end's centre within which the axis may pass its plane
 constexpr double kShort = 4;     // radii that the axis may stop short of an end
 constexpr double kBending = 0.8;  // radii along which the axis turns into an end's normal
+constexpr double kAhead = 2;      // radii from an end's axis within which a vessel is the one that ends there
 
 /// Points from an end of the skeleton to the first junction or the other end.
 std::vector<int> chain_from(int tip, const std::vector<std::vector<int>>& neighbours) {
@@ -55,10 +56,15 @@ std::optional<double> misfit(const Skeleton& skeleton, const std::vector<int>& c
 /// Moves the chain's first points onto a curve that arrives at the end along its normal.
 void lead_to(Skeleton& skeleton, const std::vector<int>& chain, const SurfaceEnd& end) {
   std::size_t kept = 1;
-  // the last point that is so far out: a chain may come back
+  // the last point that is so far out and ahead of the end: a chain may come back, but a vessel may also turn round
+  // further on
+  bool behind = true;  // all points so far lie behind the end
   for (std::size_t i = 1; i + 1 < chain.size(); ++i) {
     const Vec3 d = skeleton.points[chain[i]] - end.centre;
-    if (d.dot(end.normal) > -kBending * end.radius && d.norm() < 3 * kShort * end.radius) {
+    const double along = d.dot(end.normal);
+    behind &= along > 0;
+    const bool is_ahead = (d - along * end.normal).norm() < kAhead * end.radius;
+    if (along > -kBending * end.radius && d.norm() < 3 * kShort * end.radius && (behind || is_ahead)) {
       kept = i + 1;
     }
   }

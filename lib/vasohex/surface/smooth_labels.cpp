@@ -101,19 +101,28 @@ Bounds bounds_of(float centre_distance, double margin, double largest) {
   return centre_distance < 0 ? Bounds{-d, -least} : Bounds{least, d};
 }
 
-/// Lowers the bounds such that tubes of `radius` along the axis are inside.
-void keep_axis(const LabelVolume& volume, const std::vector<std::array<std::size_t, 2>>& axis, double radius,
-               const std::vector<int>& node_at, std::vector<Bounds>& bounds) {
+/// Lowers the bounds such that the steps of the axis are inside, with their radii.
+void keep_axis(const LabelVolume& volume, const std::vector<AxisStep>& axis, const std::vector<int>& node_at,
+               std::vector<Bounds>& bounds) {
   const auto place = [&](const std::array<int, 3>& v) -> Vec3 {
     return volume.spacing.cwiseProduct(Vec3(v[0], v[1], v[2]));
   };
-  for (const auto& [first, second] : axis) {
-    const std::array<int, 3> a = volume.voxel(first), b = volume.voxel(second);
+  for (const AxisStep& step : axis) {
+    const std::array<int, 3> a = volume.voxel(step.voxels[0]), b = volume.voxel(step.voxels[1]);
+    const auto from_axis = [&](const std::array<int, 3>& v) {
+      return distance_to_segment(place(v), place(a), place(b));
+    };
+    // halfway the function is the mean over the corners of the box from a to b, and those outside raise it
+    double raised = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const std::array<int, 3> v{corner & 1 ? a[0] : b[0], corner & 2 ? a[1] : b[1], corner & 4 ? a[2] : b[2]};
+      raised += volume.inside[volume.index(v[0], v[1], v[2])] ? 0 : from_axis(v) / 8;
+    }
     for (int k = std::min(a[2], b[2]) - 1; k <= std::max(a[2], b[2]) + 1; ++k) {
       for (int j = std::min(a[1], b[1]) - 1; j <= std::max(a[1], b[1]) + 1; ++j) {
         for (int i = std::min(a[0], b[0]) - 1; i <= std::max(a[0], b[0]) + 1; ++i) {
           const int node = node_at[volume.index(i, j, k)];
-          const auto most = static_cast<float>(distance_to_segment(place({i, j, k}), place(a), place(b)) - radius);
+          const auto most = static_cast<float>(from_axis({i, j, k}) - step.radius - raised);
           if (node >= 0 && most < bounds[node].high) {
             bounds[node].high = most;
             bounds[node].low = std::min(bounds[node].low, most);
@@ -236,8 +245,7 @@ void add_bricks(const LabelVolume& volume, const std::vector<float>& values, dou
 }  // namespace
 
 LevelSet make_level_set(const LabelVolume& volume, std::vector<float> distances,
-                        const std::vector<std::array<std::size_t, 2>>& axis, const SmoothLabelsOptions& options,
-                        const Run& run) {
+                        const std::vector<AxisStep>& axis, const SmoothLabelsOptions& options, const Run& run) {
   const double smallest = volume.spacing.minCoeff(), largest = volume.spacing.maxCoeff();
   std::vector<float> values = std::move(distances);
   std::vector<std::size_t> nodes;
@@ -253,7 +261,7 @@ LevelSet make_level_set(const LabelVolume& volume, std::vector<float> distances,
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     bounds[n] = bounds_of(values[nodes[n]], options.margin * smallest, largest);
   }
-  keep_axis(volume, axis, options.thin_axis * volume.spacing.mean(), node_at, bounds);
+  keep_axis(volume, axis, node_at, bounds);
   // the wall halfway between centres, to start with and where it is not smoothed
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] -= static_cast<float>(values[i] > 0 ? 0.5 * smallest : -0.5 * smallest);

@@ -17,7 +17,12 @@ inline constexpr int kLevelSetMargin = 8;
 struct SmoothLabelsOptions {
   int iterations = 300;
   double margin = 0.1;     ///< least distance of a voxel's centre from the wall, of the smallest spacing
-  double thin_axis = 0.2;  ///< least radius around `axis`, of the mean spacing
+};
+
+/// From one voxel of a vessel's axis to the next, a neighbour by a face, an edge or a corner.
+struct AxisStep {
+  std::array<std::size_t, 2> voxels{};
+  double radius = 0;  ///< at least so wide is the lumen there
 };
 
 /// The smoothest function that has the right sign at the centre of every voxel: the least integral of the squared
@@ -27,12 +32,11 @@ struct SmoothLabelsOptions {
 /// is kept, as voxels of both sides hold the wall, and a vessel of one voxel does not vanish. Higher-order smoothness
 /// for binary volumes: V. Lempitsky, "Surface Extraction from Binary Volumes with Higher-Order Smoothness" (2010).
 ///
-/// `axis` (pairs of voxels, neighbours with corners included): vessels so thin that they hang together by edges or
-/// corners of voxels are kept connected along these.
+/// Along `axis` the lumen is kept connected: vessels may hang together by edges or corners of voxels only.
 /// The volume needs kLevelSetMargin voxels outside around its voxels inside (see cropped); `distances`:
 /// signed_centre_distances of it. Independent of threads.
 LevelSet make_level_set(const LabelVolume& volume, std::vector<float> distances,
-                        const std::vector<std::array<std::size_t, 2>>& axis, const SmoothLabelsOptions& options = {},
+                        const std::vector<AxisStep>& axis, const SmoothLabelsOptions& options = {},
                         const Run& run = {});
 
 }  // namespace vasohex
