@@ -156,15 +156,19 @@ Vec3 PolynomialBlocks::plane_normal(int node) const {
   return plane_[node] < 0 ? Vec3(Vec3::Zero()) : problem_->sections[plane_[node]].frame.normal();
 }
 
+double PolynomialBlocks::wall_value(std::size_t point, const Vec3& x, const Vec3& outward, Vec3& gradient) {
+  return keeps_sides_ ? wall_.value_facing(point, x, outward, gradient) : wall_.value(point, x, gradient);
+}
+
 void PolynomialBlocks::retract(Points& y) {
   const double reach = 0.5 * mean_length_;
   for (std::size_t w = 0; w < wall_nodes_.size(); ++w) {
     const int i = wall_nodes_[w];
-    const Vec3 outward = keeps_sides_ ? Vec3(normals_.row(i)) : Vec3(Vec3::Zero());  // as last time
+    const Vec3 outward = normals_.row(i);  // as last time
     Vec3 p = y.row(i), gradient;
     const Vec3 plane = plane_normal(i);
     for (int iteration = 0; iteration < 12; ++iteration) {
-      const double f = wall_.value_facing(w, p, outward, gradient);
+      const double f = wall_value(w, p, outward, gradient);
       gradient -= plane.dot(gradient) * plane;
       Vec3 step = -f / std::max(gradient.squaredNorm(), 1e-300) * gradient;
       const double length = step.norm();
@@ -481,7 +485,7 @@ double PolynomialBlocks::wall_distance(const Points& y, double wall_weight, Poin
                               normals_.row(ids[s + n * (t + 1)]) + normals_.row(ids[s + 1 + n * (t + 1)]))
                                  .transpose()
                                  .normalized();
-        const double value = wall_.value_facing(sample++, p, keeps_sides_ ? outward : Vec3(Vec3::Zero()), g);
+        const double value = wall_value(sample++, p, outward, g);
         const double g2 = std::max(g.squaredNorm(), 1e-300);
         total += weight * value * value / g2;
         gap2 = std::max(gap2, value * value / (g2 * length * length));

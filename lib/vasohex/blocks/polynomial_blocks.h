@@ -165,6 +165,8 @@ class PolynomialBlocks {
  private:
   /// Of the plane that a node slides in; zero if it does not.
   Vec3 plane_normal(int node) const;
+  /// Of the wall's model, which faces `outward` where sides are kept.
+  double wall_value(std::size_t point, const Vec3& x, const Vec3& outward, Vec3& gradient);
   struct WallFace {
     int block, face;
   };

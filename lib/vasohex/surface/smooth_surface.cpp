@@ -125,6 +125,7 @@ class JetSurface final : public ImplicitSurface {
         }
       }
     });
+    const auto has_jet = [&](int p) { return jets[p].degree > 0 && balls[p] > 0; };
     std::vector<int> with_jet;
     for (int p = 0; p < n; ++p) {
       ++report.degrees[jets[p].degree];
@@ -132,13 +133,13 @@ class JetSurface final : public ImplicitSurface {
       const bool covers = jets[p].degree > 0 && balls[p] > 0.75 * longest[p];
       report.curved += !covers;
       report.flat += facets_.point_normals()[p].isZero();
-      if (jets[p].degree > 0 && balls[p] > 0) {
+      if (has_jet(p)) {
         with_jet.push_back(p);
       }
     }
     for (std::size_t h = 0; h < creases_.normals.size(); ++h) {
       const int p = s.triangles[h / 3][h % 3];
-      if (jets[p].degree > 0 && balls[p] > 0) {
+      if (has_jet(p)) {
         creases_.normals[h] = jets[p].normal();
       }
     }
