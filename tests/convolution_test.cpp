@@ -458,6 +458,19 @@ TEST(Convolution, ArmsOfNearJunctionsPartInARoundedCrotch) {
   EXPECT_LT(sharpest_turn(*dumbbell, {0.25, 0.5, 0}, 75, 105), 10);
 }
 
+TEST(Convolution, NarrowForksPartInARoundedCrotch) {
+  for (const double degrees : {5.0, 8.0, 12.0, 20.0}) {
+    const double half = degrees / 2 * pi / 180, parting = 1 / std::sin(half), length = 2 * parting;
+    const Vec3 up(length * std::cos(half), length * std::sin(half), 0), down(up.x(), -up.y(), 0);
+    const auto fork = make_convolution_surface(network_of({straight_branch(1, 0, {-8, 0, 0}, {0, 0, 0}, 1, 1),
+                                                           straight_branch(0, 2, {0, 0, 0}, up, 1, 1),
+                                                           straight_branch(0, 3, {0, 0, 0}, down, 1, 1)}));
+    // in the middle: where the tubes are .04 apart a crotch fills that; where they are .6 apart it is outside
+    EXPECT_LT(fork->value({1.02 / std::tan(half), 0, 0}), 0) << degrees;
+    EXPECT_GT(fork->value({1.3 / std::tan(half), 0, 0}), 0) << degrees;
+  }
+}
+
 TEST(Convolution, SideBranchesOfOneTrunkStaySeparate) {
   // a tenth of a radius between them: the middle lies outside both as soon as the trunk is left behind
   const double x = 0.525;

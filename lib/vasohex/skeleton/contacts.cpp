@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kMargin = 0.1;    // gaps up to this part of the smaller radius join meetings to one contact
 constexpr double kTurn = 1.9635;   // of the sum of radii: 1.25 times the half circle around which a tube turns back
-constexpr double kParting = 16.0;  // radii along the network, 8 to each side of a junction
+constexpr double kReturn = 16.0;   // radii along the network that a vessel goes before it may come back to itself
+constexpr double kParting = 48.0;  // radii along the network, 24 to each side of a junction: a fork of 5 degrees
 
 /// A short piece of a branch, between two samples.
 struct Stretch {
@@ -108,7 +109,8 @@ class Stretches {
     for (int e = 0; e < 2; ++e) {
       for (int f = 0; f < 2; ++f) {
         const int from = node(m, 0, e), to = node(m, 1, f);
-        const double limit = kParting * larger + 2 * std::max(network_.nodes[from].radius, network_.nodes[to].radius);
+        const double at_nodes = 2 * std::max(network_.nodes[from].radius, network_.nodes[to].radius);
+        const double limit = (within ? kReturn : kParting) * larger + at_nodes;
         const double rest = limit - to_node(m, 0, e) - to_node(m, 1, f);
         // out of a branch and back into it by the same end is no way
         if (rest >= 0 && !(within && e == f) && (from == to || distance(from, to, rest) <= rest)) {

@@ -28,7 +28,7 @@ std::string who_meet(const Network& network, const Meeting& meeting);
 enum class ContactKind {
   passing,       ///< vessels that meet where no junction explains it: they pass, cross, or one coils onto itself
   hairpin,       ///< a vessel that turns back so sharply that it stays in itself
-  side_by_side,  ///< branches of a junction that have not parted 8 radii away from it
+  side_by_side,  ///< branches of a junction that have not parted 24 radii away from it
 };
 
 struct Contact {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <ranges>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "vasohex/core/disjoint_sets.h"
@@ -14,6 +16,10 @@
 
 namespace vasohex {
 namespace {
+
+/// Radii: so far from a junction its branches still blend where their tubes overlap. Beyond, their union has a crease
+/// that no block can follow; with 8, forks below 10 degrees had folded elements in the crotch.
+constexpr double kFarthest = 40;
 
 AxisPoint end_point(const Network& network, const BranchEnd& end, double distance) {
   const Branch& branch = network.branches[end.branch];
@@ -70,7 +76,7 @@ BlendBall node_ball(const Network& network, int node, const std::vector<BranchEn
         overlap = std::max(overlap, overlap_straight(directions[i], radii[i], directions[j], radii[j]));
       }
       if (i < j) {
-        overlap = std::max(overlap, overlap_curved(network, ends[i], ends[j], 0.1 * radius, 8 * radius));
+        overlap = std::max(overlap, overlap_curved(network, ends[i], ends[j], 0.1 * radius, kFarthest * radius));
       }
     }
   }
@@ -79,24 +85,50 @@ BlendBall node_ball(const Network& network, int node, const std::vector<BranchEn
   return ball;
 }
 
+/// The distance along a branch end, at most `longest`, at which it is nearest to x.
+double nearest_to(const Network& network, const BranchEnd& end, double step, double longest, const Vec3& x) {
+  double nearest = 0, least = std::numeric_limits<double>::infinity();
+  for (double s = 0; s <= std::min(longest, network.branches[end.branch].length()); s += step) {
+    const double distance = (end_point(network, end, s).position - x).norm();
+    if (distance < least) {
+      least = distance;
+      nearest = s;
+    }
+  }
+  return nearest;
+}
+
 /// Where branches from two nodes close to each other have not parted yet: around all points of each that lie within the
-/// other, and beyond by as much as a tube needs for a rounded crotch. Nothing if they start apart. Tubes that part
-/// within their trunk get a ball within it, which cannot be seen.
+/// other, and beyond by as much as a tube needs for a rounded crotch. They are together from both their nodes on, or
+/// one comes past the node of the other. Nothing if they are apart there. Tubes that part within their trunk get a ball
+/// within it, which cannot be seen.
 std::optional<BlendBall> sibling_ball(const Network& network, const BranchEnd& i, const BranchEnd& j) {
   const AxisPoint start_i = end_point(network, i, 0), start_j = end_point(network, j, 0);
-  const double depth = start_i.radius + start_j.radius - (start_i.position - start_j.position).norm();
+  const double step = 0.1 * std::min(start_i.radius, start_j.radius);
+  const double longest = kFarthest * std::max(start_i.radius, start_j.radius);
+  std::array<double, 2> together{};  // along each
+  double depth = 0;
+  const double past_j = nearest_to(network, i, step, longest, start_j.position);
+  const double past_i = nearest_to(network, j, step, longest, start_i.position);
+  for (const auto& [s, t] : {std::pair(0.0, 0.0), std::pair(past_j, 0.0), std::pair(0.0, past_i)}) {
+    const AxisPoint a = end_point(network, i, s), b = end_point(network, j, t);
+    const double here = a.radius + b.radius - (a.position - b.position).norm();
+    if (depth <= 0 && here > 0) {
+      together = {s, t};
+      depth = here;
+    }
+  }
   if (depth <= 0) {
     return std::nullopt;
   }
-  const double step = 0.1 * std::min(start_i.radius, start_j.radius);
-  const double longest = 8 * std::max(start_i.radius, start_j.radius);
+  const AxisPoint first_i = end_point(network, i, together[0]), first_j = end_point(network, j, together[1]);
   BlendBall ball;
-  ball.center = 0.5 * (start_i.position + start_j.position);
-  for (const auto& [from, to] : {std::pair(i, j), std::pair(j, i)}) {
-    const double length = std::min(longest, network.branches[from.branch].length());
+  ball.center = 0.5 * (first_i.position + first_j.position);
+  for (const auto& [from, to, start] : {std::tuple(i, j, together[0]), std::tuple(j, i, together[1])}) {
+    const double length = std::min(start + longest, network.branches[from.branch].length());
     const double other = std::min(longest, network.branches[to.branch].length());
     bool within = true;
-    for (double s = 0; s < length && within; s += step) {
+    for (double s = start; s < length && within; s += step) {
       const AxisPoint a = end_point(network, from, s);
       within = false;
       for (double t = 0; t < other && !within; t += step) {
@@ -106,7 +138,7 @@ std::optional<BlendBall> sibling_ball(const Network& network, const BranchEnd& i
       ball.inner = std::max(ball.inner, (a.position - ball.center).norm());
     }
   }
-  const double margin = std::min({depth, start_i.radius, start_j.radius});
+  const double margin = std::min({depth, first_i.radius, first_j.radius});
   ball.inner += margin;
   ball.outer = ball.inner + 2 * margin;
   return ball;
@@ -156,7 +188,8 @@ void add_siblings(const Network& network, Blending& blending) {
         }
         for (int side = 0; side < 4; ++side) {
           const int p = pieces[i], q = pieces[k], at_p = side % 2, at_q = side / 2;
-          if (blending.nodes_of[p][at_p] < 0 || blending.nodes_of[q][at_q] < 0) {
+          const int here = static_cast<int>(joint);
+          if (blending.joints_at[p][at_p] != here || blending.joints_at[q][at_q] != here) {
             continue;
           }
           if (const auto ball = sibling_ball(network, {branch_of[p], at_p}, {branch_of[q], at_q})) {

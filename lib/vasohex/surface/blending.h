@@ -67,7 +67,7 @@ struct Blending {
 };
 
 /// Pieces and joints of a network. Around a node with largest radius r the inner ball has radius R1 = max(t, r) + r
-/// and the outer one R1 + 2 r; t is how far from the node two of its tubes still overlap (at most 8 r).
+/// and the outer one R1 + 2 r; t is how far from the node two of its tubes still overlap (at most 40 r).
 Blending make_blending(const Network& network);
 
 }  // namespace vasohex
