@@ -95,12 +95,12 @@ std::vector<SectionFrame> transported_frames(const ArmAxis& axis) {
   return frames;
 }
 
-std::vector<int> layer_places(const ArmAxis& axis, bool cube_at_end) {
+std::vector<int> layer_places(const ArmAxis& axis, const std::vector<double>& widths, bool cube_at_end) {
   constexpr double kCube = 0.4;  // what a cube takes up, in layers
   const std::vector<Vec3> t = tangents(axis);
   std::vector<double> before{0};
   for (std::size_t i = 1; i < t.size(); ++i) {
-    const double along = (axis.points[i] - axis.points[i - 1]).norm() / (axis.radii[i] + axis.radii[i - 1]);
+    const double along = (axis.points[i] - axis.points[i - 1]).norm() / (widths[i] + widths[i - 1]);
     const double turn = angle_between(t[i - 1], t[i]);
     before.push_back(before.back() + std::max(along, turn / 0.7));
   }

@@ -36,7 +36,8 @@ double parting_length(const ArmAxis& a, const ArmAxis& b);
 std::vector<SectionFrame> transported_frames(const ArmAxis& axis);
 
 /// Where layers of blocks meet between a cube at the start (and one at the end, if so): points of the axis, ascending;
-/// none where one layer does. Layers are about two radii long, shorter in bends.
-std::vector<int> layer_places(const ArmAxis& axis, bool cube_at_end);
+/// none where one layer does. Layers are about as long as the lumen is wide, which is twice `widths` [points of the
+/// axis], and shorter in bends.
+std::vector<int> layer_places(const ArmAxis& axis, const std::vector<double>& widths, bool cube_at_end);
 
 }  // namespace vasohex

@@ -172,6 +172,29 @@ double turn_to_cube(const Builder& builder, const Hub& hub, const SectionFrame& 
   return std::atan2(s_sum, c_sum);
 }
 
+/// How far the wall is from each point of an arm's axis: its own radius, or more as long as it is within arms of its
+/// hubs that are much wider. A thin vessel's blocks start in the middle of the wide one that it leaves, as wide as
+/// that.
+std::vector<double> widths_along(const std::vector<Hub>& hubs, int h, int a) {
+  constexpr double kMuchWider = 6;  // below, layers as short as the arm asks for are as good or better
+  const Arm& arm = hubs[h].arms[a];
+  std::vector<double> widths = arm.axis.radii;
+  for (const int hub : {h, arm.link}) {
+    for (std::size_t b = 0; hub >= 0 && b < hubs[hub].arms.size(); ++b) {
+      const Arm& other = hubs[hub].arms[b];
+      for (std::size_t i = 0; i < widths.size() && other.radius > kMuchWider * arm.radius; ++i) {
+        for (std::size_t k = 0; k + 1 < other.axis.points.size(); ++k) {
+          const Vec3 &from = other.axis.points[k], &to = other.axis.points[k + 1];
+          const double t = nearest_on_segment(arm.axis.points[i], from, to);
+          const double radius = (1 - t) * other.axis.radii[k] + t * other.axis.radii[k + 1];
+          widths[i] = std::max(widths[i], radius - (from + t * (to - from) - arm.axis.points[i]).norm());
+        }
+      }
+    }
+  }
+  return widths;
+}
+
 /// The corners of an O-grid, as vertices.
 struct SectionCorners {
   std::array<int, 4> inner{}, outer{};
@@ -235,7 +258,8 @@ void add_cap(Builder& builder, const std::vector<Hub>& hubs, int h, int a, const
   const SectionCorners high = place_corners(builder, cap.frame);
   cap.inner = high.inner;
   cap.outer = high.outer;
-  const int core = add_layers(builder, frames, turn, turn, layer_places(arm.axis, false), low, high, aim, h);
+  const std::vector<int> places = layer_places(arm.axis, widths_along(hubs, h, a), false);
+  const int core = add_layers(builder, frames, turn, turn, places, low, high, aim, h);
   for (int q = 0; q < 5; ++q) {
     cap.blocks[q] = core + q;
     builder.out.problem.sections.push_back({core + q, 5, q, cap.frame, arm.at_end});
@@ -244,8 +268,9 @@ void add_cap(Builder& builder, const std::vector<Hub>& hubs, int h, int a, const
 }
 
 /// Joins face `fa` of cube A to face `fb` of cube B along a link by 5 blocks per layer, at the best of 4 offsets.
-void add_link(Builder& builder, const std::vector<Hub>& hubs, const Arm& arm, int hub, const Cube& a, int fa,
-              const Cube& b, int fb, int aim) {
+void add_link(Builder& builder, const std::vector<Hub>& hubs, int hub, int index, const Cube& a, int fa, const Cube& b,
+              int fb, int aim) {
+  const Arm& arm = hubs[hub].arms[index];
   const auto ring_a = face_ring(fa), ring_b = face_ring(fb);
   const std::vector<SectionFrame> frames = transported_frames(arm.axis);
   const double turn_a = turn_to_cube(builder, hubs[hub], frames.front(), ring_a, a);
@@ -264,7 +289,8 @@ void add_link(Builder& builder, const std::vector<Hub>& hubs, const Arm& arm, in
     end.inner[j] = b.inner[partner];
     end.outer[j] = b.outer[partner];
   }
-  add_layers(builder, frames, turn_a, turn_a + twist, layer_places(arm.axis, true), low, end, aim, hub);
+  const std::vector<int> places = layer_places(arm.axis, widths_along(hubs, hub, index), true);
+  add_layers(builder, frames, turn_a, turn_a + twist, places, low, end, aim, hub);
 }
 
 }  // namespace
@@ -394,7 +420,7 @@ ClusterBlocks cluster_blocks(const ImplicitSurface& surface, const std::vector<H
                                        [&](const Arm& o) { return o.branch == arm.branch && o.end == 1; });
         const int face = assignments[arm.link].face[back - others.begin()];
         aims.push_back({arm.axis.points, 0.5 * (hubs[h].centre + hubs[arm.link].centre)});
-        add_link(builder, hubs, arm, h, cube, f, cubes[arm.link], face, static_cast<int>(aims.size()) - 1);
+        add_link(builder, hubs, h, a, cube, f, cubes[arm.link], face, static_cast<int>(aims.size()) - 1);
       }
     }
   }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSharpBend = 1 / 1.1;
 constexpr double kSteepTaper = 0.6;
-constexpr double kThin = 14;    // radius of a junction over that of its branch; blocks get from 1 to 12, not from 1 to 20
+constexpr double kThin = 30;    // radius of a junction over its branch's; blocks get from 1 to 28 at 30 to 90 degrees
 constexpr double kTiny = 0.01;  // part of the largest component's volume
 
 std::string rounded(double value) { return short_text(std::round(100 * value) / 100); }

@@ -14,10 +14,10 @@ enum class FindingKind {
   overlap,         ///< vessels, or turns of one, that overlap away from any junction; figure: depth / smaller radius
   touch,           ///< the same with a gap below 5 % of the smaller radius; figure: gap / smaller radius
   hairpin,         ///< a vessel that turns back and stays in itself; figure: depth / smaller radius
-  side_by_side,    ///< branches that have not parted 8 radii from their junction; figure: depth / smaller radius
+  side_by_side,    ///< branches that have not parted 24 radii from their junction; figure: depth / smaller radius
   sharp_bend,      ///< bend radius below 1.1 radii; figure: radius * curvature
   steep_taper,     ///< figure: change of the radius per length, above 0.6
-  thin_branch,     ///< a branch thinner than 1/14 of its junction; figure: radius of the junction / its own
+  thin_branch,     ///< a branch thinner than 1/30 of its junction; figure: radius of the junction / its own
   stub,            ///< a side branch that ends inside its parent; figure: its length / radius of the parent
   fragment,        ///< a component that is tiny, or inside another vessel; figure: its length / its diameter
   near_junctions,  ///< junctions closer than their radius; figure: distance / radius
