@@ -375,6 +375,35 @@ TEST(Junctions, WithBranchesSideBySideShareCubes) {
   EXPECT_GT(m.blocks.min_jacobian, 0.5);
 }
 
+TEST(Junctions, WithBranchesSideBySideAsFarAsTheNextShareATube) {
+  for (const double angle : {10.0, 12.0}) {
+    const SkeletonMesh m = mesh_skeleton(gallery::fork_that_divides(angle));
+    EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size())) << angle;
+  }
+}
+
+TEST(Junctions, OfNarrowForksAreCertified) {
+  for (const double angle : {6.0, 8.0}) {
+    for (const auto& [left, right] : {std::pair(1.0, 1.0), std::pair(0.8, 0.5)}) {
+      const SkeletonMesh m = mesh_skeleton(gallery::star(
+          {gallery::spherical(180, 0), gallery::spherical(0, 0), gallery::spherical(angle, 0)}, {1, left, right}, 32));
+      EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size())) << angle << " " << right;
+      EXPECT_GT(m.blocks.min_jacobian, 0.2) << angle << " " << right;
+    }
+  }
+}
+
+TEST(Junctions, OfMuchThinnerBranchesAreCertified) {
+  for (const double angle : {90.0, 60.0, 45.0}) {
+    for (const double radius : {0.08, 0.05, 0.03}) {
+      const SkeletonMesh m = mesh_skeleton(gallery::star(
+          {gallery::spherical(180, 0), gallery::spherical(0, 0), gallery::spherical(angle, 0)}, {1, 1, radius}, 3));
+      EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size())) << angle << " " << radius;
+      EXPECT_GT(m.blocks.min_jacobian, 0.2) << angle << " " << radius;
+    }
+  }
+}
+
 TEST(Branches, WithSpikesAreCertified) {
   const SkeletonMesh m = mesh_skeleton(gallery::spike());
   EXPECT_EQ(m.blocks.certified, static_cast<int>(m.blocks.blocks.size()));

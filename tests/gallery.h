@@ -199,6 +199,18 @@ inline Skeleton fork(double angle, double left, double right, double lift) {
   return star({spherical(180, lift), spherical(angle / 2, 0), spherical(-angle / 2, 0)}, {1, left, right}, 12);
 }
 
+/// A fork of `angle` degrees whose one daughter divides 8 radii on, before the two have parted: its side branch, at a
+/// right angle, leaves on the other side. All radii 1.
+inline Skeleton fork_that_divides(double angle) {
+  const Vec3 direction = spherical(angle, 0);
+  Skeleton s = piece({8, 0, 0}, 1);
+  add_arm(s, 0, -Vec3::UnitX(), 1, 8);
+  add_arm(s, 0, direction, 1, 4 / std::sin(angle * std::numbers::pi / 180));
+  add_arm(s, 1, Vec3::UnitX(), 1, 10);
+  add_arm(s, 1, -Vec3::UnitY(), 1, 8);
+  return s;
+}
+
 /// Two junctions `gap` apart along x, each with two arms of radius 1, 60 degrees off the axis, in planes that are
 /// `twist` degrees apart.
 inline Skeleton dumbbell(double gap, double twist) {

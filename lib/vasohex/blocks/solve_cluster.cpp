@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "vasohex/blocks/carry_on.h"
 #include "vasohex/blocks/split_hub.h"
 #include "vasohex/core/cpu_time.h"
 #include "vasohex/core/error.h"
@@ -127,13 +128,22 @@ std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arra
     }
   };
   add_divided(now, h);
-  for (const auto& [merged, at] : merge_hub(now.cluster, h)) {
-    Arrangement a{merged, {}};
-    for (const Hub& hub : merged) {
-      a.assignments.push_back(assignments_of(hub, 1).front());
+  const auto add_all = [&](const std::vector<std::pair<Cluster, int>>& changed) {
+    for (const auto& [cluster, at] : changed) {
+      Arrangement a{cluster, {}};
+      for (const Hub& hub : cluster) {
+        a.assignments.push_back(assignments_of(hub, 1).front());
+      }
+      add(a, at, 6);
+      add_divided(a, at);  // branches of two junctions may run side by side
     }
-    add(a, at, 6);
-    add_divided(a, at);  // branches of two junctions may run side by side
+  };
+  add_all(merge_hub(now.cluster, h));
+  add_all(carry_on(now.cluster, h));
+  for (const Arm& arm : now.cluster[h].arms) {
+    if (arm.link >= 0) {
+      add_all(carry_on(now.cluster, arm.link));
+    }
   }
   if (all.empty()) {
     throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");

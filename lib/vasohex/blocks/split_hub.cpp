@@ -161,25 +161,6 @@ void link(Cluster& cluster, int a, int b, int id, const ArmAxis& axis) {
   }
 }
 
-/// Lets axes start at their hub's centre, and those of links end at the other's. False if nothing is left of one.
-bool renew_axes(Cluster& cluster) {
-  for (Hub& changed : cluster) {
-    for (Arm& arm : changed.arms) {
-      if (arm.axis.points.front() != changed.centre) {
-        arm.axis = started_from(arm.axis, changed.centre);
-      }
-      if (arm.link >= 0 && arm.axis.points.back() != cluster[arm.link].centre) {
-        arm.axis = reversed(started_from(reversed(arm.axis), cluster[arm.link].centre));
-      }
-      if (arm.axis.points.size() < 2) {
-        return false;
-      }
-      arm.direction = direction_of(arm);
-    }
-  }
-  return true;
-}
-
 std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Group>& groups) {
   const Hub& hub = cluster[h];
   std::vector<char> grouped(hub.arms.size(), 0);
@@ -263,6 +244,24 @@ std::optional<Cluster> split(const Cluster& cluster, int h, const std::vector<Gr
 }
 
 }  // namespace
+
+bool renew_axes(Cluster& cluster) {
+  for (Hub& changed : cluster) {
+    for (Arm& arm : changed.arms) {
+      if (arm.axis.points.front() != changed.centre) {
+        arm.axis = started_from(arm.axis, changed.centre);
+      }
+      if (arm.link >= 0 && arm.axis.points.back() != cluster[arm.link].centre) {
+        arm.axis = reversed(started_from(reversed(arm.axis), cluster[arm.link].centre));
+      }
+      if (arm.axis.points.size() < 2) {
+        return false;
+      }
+      arm.direction = direction_of(arm);
+    }
+  }
+  return true;
+}
 
 std::vector<Cluster> split_hub(const Cluster& cluster, int h) {
   std::vector<Cluster> all;

@@ -22,4 +22,8 @@ std::vector<Cluster> split_hub(const Cluster& cluster, int h);
 /// two places.
 std::vector<std::pair<Cluster, int>> merge_hub(const Cluster& cluster, int h);
 
+/// After hubs have moved: lets axes start at their hub's centre, and those of links end at the other's. False if
+/// nothing is left of one.
+bool renew_axes(Cluster& cluster);
+
 }  // namespace vasohex
