@@ -10,6 +10,7 @@
 #include <map>
 
 #include "gmsh/write_msh.h"
+#include "vasohex/blocks/clear_ends.h"
 #include "vasohex/quality/quality_report.h"
 #include "vasohex/skeleton/own_frame.h"
 #include "vasohex/skeleton/read_skeleton.h"

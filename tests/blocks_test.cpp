@@ -8,6 +8,7 @@
 #include "gallery.h"
 #include "mesh_properties.h"
 #include "random_network.h"
+#include "vasohex/blocks/clear_ends.h"
 #include "vasohex/blocks/cross_section.h"
 #include "vasohex/blocks/energy_kernel_isa.h"
 #include "vasohex/blocks/hubs.h"

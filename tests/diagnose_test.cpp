@@ -242,6 +242,58 @@ TEST(Diagnose, Stub) {
   EXPECT_TRUE(findings_of(with_stub(2)).empty());
 }
 
+/// A branch of the straight tube that runs along it, `off` away from its axis at the free end, as do graphs of one
+/// vessel traced twice.
+Skeleton with_buried_branch(double length, double off) {
+  Skeleton s = straight(Vec3::Zero(), Vec3::UnitX(), 24, 1);
+  const Vec3 from = s.points[6];
+  s.points.push_back(from + Vec3(length, off, 0));
+  s.radii.push_back(.4);
+  s.segments.push_back({6, static_cast<int>(s.points.size()) - 1});
+  return s;
+}
+
+TEST(Diagnose, BranchesThatEndInAnotherAreStubsHoweverLong) {
+  for (const double length : {3., 6., 15.}) {
+    const Skeleton s = with_buried_branch(length, .5);
+    const auto f = findings_of(s);
+    ASSERT_EQ(count(f, FindingKind::stub), 1) << length << "\n" << listed(f);
+    const auto stub =
+        *std::find_if(f.begin(), f.end(), [](const Finding& x) { return x.kind == FindingKind::stub; });
+    EXPECT_EQ(stub.point, static_cast<int>(s.points.size()) - 1);
+    EXPECT_NEAR(stub.figure, std::hypot(length, .5), .01 * length);
+    const Network n = build_repaired_network(s);
+    EXPECT_EQ(n.branches.size(), 1u);
+    EXPECT_TRUE(told(n, "left out: "));
+    EXPECT_EQ(build_network(s).branches.size(), 3u);  // only who asks for repair loses an end
+    Skeleton named = s;
+    named.names[stub.point] = "biopsy";
+    EXPECT_EQ(build_repaired_network(named).branches.size(), 3u);
+    // an end that sticks out is none
+    EXPECT_EQ(count(findings_of(with_buried_branch(length, 1.5)), FindingKind::stub), 0) << length;
+  }
+}
+
+TEST(Diagnose, OfBranchesInEachOtherTheNarrowerIsTheStub) {
+  // both end at the same distance, each inside the other; the numbers of the points must not matter
+  for (const bool first : {true, false}) {
+    Skeleton s = straight(Vec3::Zero(), Vec3::UnitX(), 12, 1);
+    const Vec3 fork = s.points.back();
+    const int at = static_cast<int>(s.points.size()) - 1;
+    for (const double side : {.15, -.15}) {
+      s.points.push_back(fork + Vec3(8, side, 0));
+      s.radii.push_back((side > 0) == first ? .5 : .9);
+      s.segments.push_back({at, static_cast<int>(s.points.size()) - 1});
+    }
+    const auto f = findings_of(s);
+    ASSERT_EQ(count(f, FindingKind::stub), 1) << listed(f);
+    const auto stub =
+        *std::find_if(f.begin(), f.end(), [](const Finding& x) { return x.kind == FindingKind::stub; });
+    EXPECT_EQ(stub.point, first ? at + 1 : at + 2);
+    EXPECT_EQ(build_repaired_network(s).branches.size(), 1u);
+  }
+}
+
 TEST(Diagnose, StrayPieces) {
   const Skeleton tube = straight(Vec3::Zero(), Vec3::UnitX(), 30, 1);
   const auto tiny = findings_of(both(tube, straight(Vec3::Zero(), Vec3::UnitX(), .3, .3), Vec3(0, 5, 0)));

@@ -7,6 +7,7 @@
 
 #include "gallery.h"
 #include "mesh_properties.h"
+#include "vasohex/blocks/clear_ends.h"
 #include "vasohex/core/reference_hex.h"
 #include "vasohex/quality/quality_report.h"
 #include "vasohex/skeleton/tie_ends.h"

@@ -16,7 +16,6 @@ constexpr double kNear = 6;       // radii from an element to the finding that i
 constexpr double kNearOther = 2;  // the same of findings about other branches
 constexpr double kNearCut = 2;    // radii of an end around it
 
-std::string rounded(double value) { return short_text(std::round(100 * value) / 100); }
 
 std::string name_of_place(const Network& network, int place) {
   if (place < 0) {
@@ -120,10 +119,10 @@ std::string shape_of(const Network& network, int n, const std::vector<BranchEnd>
                      short_text(std::round(narrowest * 180 / std::numbers::pi)) + " degrees apart at least, radii " +
                      short_text(thin) + " to " + short_text(wide);
   if (parting > kPartLate) {
-    text += ", two of them in one tube up to " + rounded(parting) + " radii from it";
+    text += ", two of them in one tube up to " + hundredths(parting) + " radii from it";
   }
   if (std::isfinite(near)) {
-    text += ", the next junction " + rounded(near) + " radii away";
+    text += ", the next junction " + hundredths(near) + " radii away";
   }
   return text;
 }
@@ -156,7 +155,7 @@ std::vector<FailedPlace> failed_places(const Network& network, const std::vector
   for (auto& [place, failed] : by_place) {
     failed.text = name_of_place(network, place) + ": " + std::to_string(failed.elements) +
                   (failed.elements == 1 ? " element is" : " elements are") +
-                  " not certified, least scaled Jacobian " + rounded(failed.scaled_jacobian) + " at " +
+                  " not certified, least scaled Jacobian " + hundredths(failed.scaled_jacobian) + " at " +
                   short_text(failed.at);
     const int cut = cut_at_junction(network, failed.at);
     failed.finding = cut >= 0 ? -1 : nearest_finding(network, findings, failed);

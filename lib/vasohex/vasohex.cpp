@@ -4,6 +4,7 @@
 #include <chrono>
 #include <set>
 
+#include "vasohex/blocks/clear_ends.h"
 #include "vasohex/blocks/move_blocks.h"
 #include "vasohex/core/short_text.h"
 #include "vasohex/mesh/move_mesh.h"

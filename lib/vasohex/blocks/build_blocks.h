@@ -16,10 +16,6 @@ struct BlockOptions {
   MeshDivision mesh;           ///< what the blocks are for; of mesh_skeleton: order 0 is the order asked for
 };
 
-/// Lengthens branches whose free end lies inside the junction they come from, so that a cap fits; one line per branch
-/// in network.repairs. To be called before the surface is made.
-void clear_ends(Network& network);
-
 /// Cross-sections along the branches, cubes or trees of cubes at the junctions, optimised. Blocks may come out
 /// invalid: see `certified`.
 BlockStructure build_blocks(const Network& network, const ImplicitSurface& surface, const BlockOptions& options,

@@ -10,6 +10,9 @@ namespace vasohex {
 /// Six significant digits at most.
 std::string short_text(double value);
 
+/// Rounded to hundredths.
+std::string hundredths(double value);
+
 /// `(x y z)`
 std::string short_text(const Vec3& point);
 

@@ -281,6 +281,12 @@ Meeting refined(const Network& network, const Meeting& start) {
   return best;
 }
 
+std::string from_to(const Network& network, int branch) {
+  const std::array<int, 2>& nodes = network.branches[branch].nodes;
+  return "from point " + std::to_string(network.nodes[nodes[0]].point) + " to point " +
+         std::to_string(network.nodes[nodes[1]].point);
+}
+
 }  // namespace
 
 double Meeting::relative() const { return gap / std::min(radii[0], radii[1]); }
@@ -291,14 +297,12 @@ Vec3 place_of(const Network& network, const Meeting& m) {
   return (m.radii[1] * a + m.radii[0] * b) / (m.radii[0] + m.radii[1]);
 }
 
+std::string vessel_text(const Network& network, int branch) { return "the vessel " + from_to(network, branch); }
+
 std::string who_meet(const Network& network, const Meeting& m) {
-  const auto points = [&](int branch) {
-    const std::array<int, 2>& nodes = network.branches[branch].nodes;
-    return "from point " + std::to_string(network.nodes[nodes[0]].point) + " to point " +
-           std::to_string(network.nodes[nodes[1]].point);
-  };
-  return m.branches[0] == m.branches[1] ? "two turns of the vessel " + points(m.branches[0])
-                                        : "the vessels " + points(m.branches[0]) + " and " + points(m.branches[1]);
+  const std::string first = from_to(network, m.branches[0]);
+  return m.branches[0] == m.branches[1] ? "two turns of the vessel " + first
+                                        : "the vessels " + first + " and " + from_to(network, m.branches[1]);
 }
 
 std::vector<Contact> find_contacts(const Network& network) {

@@ -22,6 +22,9 @@ struct Meeting {
 /// Where: between the two axes, on the wall of each if they just touch.
 Vec3 place_of(const Network& network, const Meeting& meeting);
 
+/// For messages: `the vessel from point 3 to point 7`.
+std::string vessel_text(const Network& network, int branch);
+
 /// For messages: `the vessels from point 3 to point 7 and from point 9 to point 12`.
 std::string who_meet(const Network& network, const Meeting& meeting);
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 
 #include "vasohex/core/disjoint_sets.h"
 #include "vasohex/core/short_text.h"
-#include "vasohex/skeleton/clean.h"
+#include "vasohex/skeleton/buried.h"
 #include "vasohex/skeleton/contacts.h"
 
 namespace vasohex {
@@ -18,14 +17,6 @@ constexpr double kSharpBend = 1 / 1.1;
 constexpr double kSteepTaper = 0.6;
 constexpr double kThin = 30;    // radius of a junction over its branch's; blocks get from 1 to 28 at 30 to 90 degrees
 constexpr double kTiny = 0.01;  // part of the largest component's volume
-
-std::string rounded(double value) { return short_text(std::round(100 * value) / 100); }
-
-std::string vessel(const Network& network, int branch) {
-  const Branch& b = network.branches[branch];
-  return "the vessel from point " + std::to_string(network.nodes[b.nodes[0]].point) + " to point " +
-         std::to_string(network.nodes[b.nodes[1]].point);
-}
 
 /// Components of a network.
 struct Component {
@@ -79,7 +70,7 @@ Finding contact_finding(const Network& network, const Contact& contact) {
   f.figure = std::abs(m.relative());
   const std::string radii = short_text(m.radii[0]) + " and " + short_text(m.radii[1]);
   const std::string who = who_meet(network, m);
-  const std::string depth = " by " + rounded(f.figure) + " of the smaller radius at " + short_text(f.at) + " (radii " +
+  const std::string depth = " by " + hundredths(f.figure) + " of the smaller radius at " + short_text(f.at) + " (radii " +
                             radii + ", axes " + short_text(m.gap + m.radii[0] + m.radii[1]) + " apart)";
   switch (contact.kind) {
     case ContactKind::passing:
@@ -92,7 +83,7 @@ Finding contact_finding(const Network& network, const Contact& contact) {
       } else {
         f.kind = FindingKind::touch;
         f.severity = Severity::warning;
-        f.text = who + " nearly touch at " + short_text(f.at) + ": the gap is " + rounded(f.figure) +
+        f.text = who + " nearly touch at " + short_text(f.at) + ": the gap is " + hundredths(f.figure) +
                  " of the smaller radius (radii " + radii + ")";
         f.cure = "nothing, if the gap is meant; else as for overlaps, or --repair";
       }
@@ -112,7 +103,7 @@ Finding contact_finding(const Network& network, const Contact& contact) {
       break;
     case ContactKind::hairpin:
       f.kind = FindingKind::hairpin;
-      f.text = vessel(network, m.branches[0]) + " turns back and overlaps itself" + depth;
+      f.text = vessel_text(network, m.branches[0]) + " turns back and overlaps itself" + depth;
       f.cure = "leave out the points of the detour, or give the bend a radius larger than the vessel's";
       break;
     case ContactKind::side_by_side:
@@ -167,7 +158,7 @@ void add_contacts(const Network& network, std::vector<Finding>& findings) {
     f.figure = part.length / (2 * part.radius);
     f.text = "a separate piece of length " + short_text(part.length) + " and radius " + short_text(part.radius) +
              " at " + short_text(f.at) +
-             (swallowed[c] ? " lies inside " + vessel(network, f.branches[1]) +
+             (swallowed[c] ? " lies inside " + vessel_text(network, f.branches[1]) +
                                  ": both are meshed, and their meshes overlap there"
                            : " is shorter than its diameter");
     f.cure = "leave it out (--repair does), or join it to its vessel";
@@ -224,7 +215,7 @@ void add_bends_and_tapers(const Network& network, std::vector<Finding>& findings
           f.branches = {static_cast<int>(b), -1};
           f.at = at;
           f.figure = figure;
-          f.text = vessel(network, static_cast<int>(b)) + " bends with " + rounded(1 / figure) +
+          f.text = vessel_text(network, static_cast<int>(b)) + " bends with " + hundredths(1 / figure) +
                    " times its radius at " + short_text(at) +
                    (figure > 1 ? ": its cross-sections overlap on the inner side" : "");
           f.cure = "a smaller radius there, or points along a wider bend";
@@ -239,7 +230,7 @@ void add_bends_and_tapers(const Network& network, std::vector<Finding>& findings
           f.branches = {static_cast<int>(b), -1};
           f.at = at;
           f.figure = figure;
-          f.text = "the radius of " + vessel(network, static_cast<int>(b)) + " changes by " + rounded(figure) +
+          f.text = "the radius of " + vessel_text(network, static_cast<int>(b)) + " changes by " + hundredths(figure) +
                    " per length at " + short_text(at);
           f.cure = "check the radii of the points there";
           findings.push_back(f);
@@ -263,84 +254,9 @@ void add_thin_branches(const Network& network, std::vector<Finding>& findings) {
       f.at = node.position;
       f.point = node.point;
       f.figure = node.radius / own;
-      f.text = vessel(network, static_cast<int>(b)) + " has the radius " + short_text(own) + " at the junction at " +
-               short_text(f.at) + ", whose radius is " + short_text(node.radius) + ": " + rounded(f.figure) + " times as much";
+      f.text = vessel_text(network, static_cast<int>(b)) + " has the radius " + short_text(own) + " at the junction at " +
+               short_text(f.at) + ", whose radius is " + short_text(node.radius) + ": " + hundredths(f.figure) + " times as much";
       f.cure = "check the radii of the points there; leave the branch out if it does not matter";
-      findings.push_back(f);
-    }
-  }
-}
-
-/// The point of a branch at a distance from one of its ends.
-Vec3 from_end(const Network& network, const BranchEnd& end, double s) {
-  const Branch& branch = network.branches[end.branch];
-  return axis_point(branch, end.end == 0 ? s : branch.length() - s).position;
-}
-
-/// How deep the axis of a branch end lies in another at the same node, all along: the largest distance to the other
-/// axis, less the other radius. Negative: inside.
-double depth_in(const Network& network, const Branch& branch, const BranchEnd& other) {
-  const Branch& host = network.branches[other.branch];
-  double outermost = -std::numeric_limits<double>::infinity();
-  for (const Vec3& p : branch.points) {
-    double innermost = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i + 1 < host.points.size(); ++i) {
-      const double from = other.end == 0 ? host.arc[i] : host.length() - host.arc[i + 1];
-      if (from > 2 * branch.length()) {
-        continue;
-      }
-      const double t = nearest_on_segment(p, host.points[i], host.points[i + 1]);
-      const Vec3 nearest = host.points[i] + t * (host.points[i + 1] - host.points[i]);
-      innermost = std::min(innermost, (nearest - p).norm() - ((1 - t) * host.radii[i] + t * host.radii[i + 1]));
-    }
-    outermost = std::max(outermost, innermost);
-  }
-  return outermost;
-}
-
-void add_stubs(const Network& network, std::vector<Finding>& findings) {
-  const auto ends = branch_ends(network);
-  for (std::size_t n = 0; n < network.nodes.size(); ++n) {
-    if (network.nodes[n].degree < 3) {
-      continue;
-    }
-    for (const BranchEnd& end : ends[n]) {
-      const Branch& branch = network.branches[end.branch];
-      const NetworkNode& tip = network.nodes[branch.nodes[1 - end.end]];
-      if (tip.degree != 1 || branch.length() > 2 * network.nodes[n].radius) {
-        continue;
-      }
-      // a side branch: two others form a vessel that goes on, and it lies in one of them
-      const BranchEnd* host = nullptr;
-      bool goes_on = false;
-      for (const BranchEnd& a : ends[n]) {
-        if (a.branch == end.branch) {
-          continue;
-        }
-        const double reach = network.nodes[n].radius;
-        const Vec3 along = from_end(network, a, reach) - network.nodes[n].position;
-        for (const BranchEnd& b : ends[n]) {
-          goes_on |= b.branch != end.branch && b.branch != a.branch &&
-                     along.dot(from_end(network, b, reach) - network.nodes[n].position) < 0;
-        }
-        if (host == nullptr && depth_in(network, branch, a) < 0) {
-          host = &a;
-        }
-      }
-      if (host == nullptr || !goes_on) {
-        continue;
-      }
-      Finding f;
-      f.kind = FindingKind::stub;
-      f.severity = Severity::warning;
-      f.branches = {end.branch, host->branch};
-      f.at = tip.position;
-      f.point = tip.point;
-      f.figure = branch.length() / network.nodes[n].radius;
-      f.text = vessel(network, end.branch) + " ends at " + short_text(f.at) + " inside " + vessel(network, host->branch) +
-               ", " + short_text(branch.length()) + " long where the parent's radius is " +
-               short_text(network.nodes[n].radius) + ": the mesh lengthens it until it sticks out";
-      f.cure = "leave it out (--repair does, unless it has a name), or lengthen it";
       findings.push_back(f);
     }
   }
@@ -362,7 +278,7 @@ void add_near_junctions(const Network& network, std::vector<Finding>& findings) 
     f.point = first.point;
     f.figure = branch.length() / radius;
     f.text = "the junctions at points " + std::to_string(first.point) + " and " + std::to_string(last.point) +
-             " are " + rounded(f.figure) + " radii apart at " + short_text(f.at);
+             " are " + hundredths(f.figure) + " radii apart at " + short_text(f.at);
     f.cure = "nothing, if that is meant; if it is one junction that was traced as two, make it one point";
     findings.push_back(f);
   }

@@ -18,7 +18,7 @@ enum class FindingKind {
   sharp_bend,      ///< bend radius below 1.1 radii; figure: radius * curvature
   steep_taper,     ///< figure: change of the radius per length, above 0.6
   thin_branch,     ///< a branch thinner than 1/30 of its junction; figure: radius of the junction / its own
-  stub,            ///< a side branch that ends inside its parent; figure: its length / radius of the parent
+  stub,            ///< a side branch that lies in another up to its end; figure: its length / radius of the parent
   fragment,        ///< a component that is tiny, or inside another vessel; figure: its length / its diameter
   near_junctions,  ///< junctions closer than their radius; figure: distance / radius
 };

@@ -154,7 +154,6 @@ std::string vessels(const Network& network, const Meeting& m) {
 }
 
 std::string percent(double part) { return short_text(std::round(1000 * part) / 10) + " %"; }
-std::string hundredths(double value) { return short_text(std::round(100 * value) / 100); }
 
 /// A contact that is to be parted.
 struct Task {
