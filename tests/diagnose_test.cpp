@@ -294,6 +294,48 @@ TEST(Diagnose, OfBranchesInEachOtherTheNarrowerIsTheStub) {
   }
 }
 
+/// A tube of radius 1 along x from -12 to 12; from its point at -6 a branch rises and comes back down to a fork of
+/// radius .4 that is `off` away from the axis at x = 0.
+Skeleton with_fork_inside(double off) {
+  Skeleton s = straight(Vec3::Zero(), Vec3::UnitX(), 24, 1);
+  const int first = static_cast<int>(s.points.size());
+  for (const Vec3& p : {Vec3(-3, 1.2, 0), Vec3(0, off, 0), Vec3(4, 5, 1), Vec3(4, 5, -3)}) {
+    s.points.push_back(p);
+    s.radii.push_back(.4);
+  }
+  s.segments.insert(s.segments.end(),
+                    {{6, first}, {first, first + 1}, {first + 1, first + 2}, {first + 1, first + 3}});
+  return s;
+}
+
+TEST(Diagnose, NodesInVesselsThatTheyAreNotJoinedTo) {
+  for (const double off : {.2, .6}) {
+    const Skeleton s = with_fork_inside(off);
+    const int fork = static_cast<int>(s.points.size()) - 3;
+    const auto all = findings_of(s);
+    ASSERT_EQ(count(all, FindingKind::unjoined), 1) << off << "\n" << listed(all);
+    const auto f =
+        *std::find_if(all.begin(), all.end(), [](const Finding& x) { return x.kind == FindingKind::unjoined; });
+    EXPECT_EQ(f.point, fork);
+    EXPECT_NEAR(f.figure, off, .05);
+    EXPECT_EQ(f.at, s.points[fork]);
+    // the cure
+    Skeleton joined = s;
+    const int at = 12;
+    for (auto& [a, b] : joined.segments) {
+      a = a == fork ? at : a;
+      b = b == fork ? at : b;
+    }
+    EXPECT_EQ(s.points[at].x(), 0);
+    EXPECT_EQ(count(findings_of(joined), FindingKind::unjoined), 0);
+  }
+  const auto outside = findings_of(with_fork_inside(1.2));
+  EXPECT_EQ(count(outside, FindingKind::unjoined), 0) << listed(outside);
+  for (const gallery::Shape& shape : gallery::shapes()) {
+    EXPECT_EQ(count(findings_of(shape.skeleton), FindingKind::unjoined), 0) << shape.name;
+  }
+}
+
 TEST(Diagnose, StrayPieces) {
   const Skeleton tube = straight(Vec3::Zero(), Vec3::UnitX(), 30, 1);
   const auto tiny = findings_of(both(tube, straight(Vec3::Zero(), Vec3::UnitX(), .3, .3), Vec3(0, 5, 0)));

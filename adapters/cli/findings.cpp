@@ -27,6 +27,9 @@ const char* title(FindingKind kind, bool one) {
       return one ? "branch that ends inside its parent" : "branches that end inside their parents";
     case FindingKind::fragment:
       return one ? "stray piece" : "stray pieces";
+    case FindingKind::unjoined:
+      return one ? "point inside a vessel that it is not joined to"
+                 : "points inside vessels that they are not joined to";
     case FindingKind::near_junctions:
       return one ? "pair of junctions within a radius" : "pairs of junctions within a radius";
   }

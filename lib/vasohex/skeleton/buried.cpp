@@ -1,13 +1,17 @@
 #include "vasohex/skeleton/buried.h"
 
+#include <algorithm>
 #include <limits>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include "vasohex/core/short_text.h"
-#include "vasohex/skeleton/contacts.h"
 
 namespace vasohex {
 namespace {
+
+constexpr double kDeep = 0.75;  // of the radius from the axis; further out, narrow forks reach into each other too
 
 /// The point of a branch at a distance from one of its ends.
 Vec3 from_end(const Network& network, const BranchEnd& end, double s) {
@@ -95,6 +99,82 @@ void add_stubs(const Network& network, std::vector<Finding>& findings) {
                " long where the parent's radius is " + short_text(network.nodes[n].radius) +
                ": the mesh lengthens it until it sticks out";
       f.cure = "leave it out (--repair does, unless it has a name), or lengthen it";
+      findings.push_back(f);
+    }
+  }
+}
+
+void add_unjoined(const Network& network, const std::vector<Contact>& contacts, std::vector<Finding>& findings) {
+  std::set<std::pair<int, int>> told;  // branches whose overlap is
+  const auto tell = [&](const std::array<int, 2>& b) { told.insert(std::minmax(b[0], b[1])); };
+  for (const Contact& contact : contacts) {
+    for (const Meeting& m : contact.meetings) {
+      tell(m.branches);
+    }
+  }
+  for (const Finding& f : findings) {
+    if (f.kind == FindingKind::stub) {
+      tell(f.branches);
+    }
+  }
+  const auto ends = branch_ends(network);
+  std::vector<int> by_x;
+  for (int n = 0; n < static_cast<int>(network.nodes.size()); ++n) {
+    if (!network.nodes[n].seam) {
+      by_x.push_back(n);
+    }
+  }
+  const auto x = [&](int n) { return network.nodes[n].position.x(); };
+  std::stable_sort(by_x.begin(), by_x.end(), [&](int a, int b) { return x(a) < x(b); });
+  for (int b = 0; b < static_cast<int>(network.branches.size()); ++b) {
+    const Branch& host = network.branches[b];
+    Box box;  // of what is deep
+    for (std::size_t i = 0; i < host.points.size(); ++i) {
+      const Vec3 reach = Vec3::Constant(kDeep * host.radii[i]);
+      box.add(host.points[i] - reach);
+      box.add(host.points[i] + reach);
+    }
+    // an end of the vessel is no junction that it could be in
+    std::array<double, 2> inside{};
+    for (int end = 0; end < 2; ++end) {
+      const NetworkNode& node = network.nodes[host.nodes[end]];
+      inside[end] = node.degree > 2 ? node.radius : 0;
+    }
+    for (auto it = std::lower_bound(by_x.begin(), by_x.end(), box.min.x(), [&](int n, double v) { return x(n) < v; });
+         it != by_x.end() && x(*it) <= box.max.x(); ++it) {
+      const int n = *it;
+      const NetworkNode& node = network.nodes[n];
+      const bool meets = std::any_of(ends[n].begin(), ends[n].end(), [&](const BranchEnd& e) {
+        return e.branch == b || told.contains(std::minmax(e.branch, b));
+      });
+      if (meets || (node.position.array() < box.min.array()).any() || (node.position.array() > box.max.array()).any()) {
+        continue;
+      }
+      double distance = std::numeric_limits<double>::infinity(), arc = 0;
+      for (std::size_t i = 0; i + 1 < host.points.size(); ++i) {
+        const double d = distance_to_segment(node.position, host.points[i], host.points[i + 1]);
+        if (d < distance) {
+          const double t = nearest_on_segment(node.position, host.points[i], host.points[i + 1]);
+          distance = d;
+          arc = (1 - t) * host.arc[i] + t * host.arc[i + 1];
+        }
+      }
+      const double radius = axis_point(host, arc).radius;
+      if (distance >= kDeep * radius || arc <= inside[0] || host.length() - arc <= inside[1]) {
+        continue;
+      }
+      Finding f;
+      f.kind = FindingKind::unjoined;
+      f.severity = Severity::warning;
+      f.branches = {ends[n].front().branch, b};
+      f.at = node.position;
+      f.point = node.point;
+      f.figure = distance / radius;
+      f.text = "point " + std::to_string(node.point) + " at " + short_text(node.position) + " lies inside " +
+               vessel_text(network, b) + ", " + short_text(distance) + " from its axis where its radius is " +
+               short_text(radius) + ", and no junction joins them: both are meshed in the same space";
+      f.cure =
+          "make it a point of that vessel if blood flows between them; else move it out of there, or lower the radii";
       findings.push_back(f);
     }
   }

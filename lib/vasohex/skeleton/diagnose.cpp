@@ -70,8 +70,8 @@ Finding contact_finding(const Network& network, const Contact& contact) {
   f.figure = std::abs(m.relative());
   const std::string radii = short_text(m.radii[0]) + " and " + short_text(m.radii[1]);
   const std::string who = who_meet(network, m);
-  const std::string depth = " by " + hundredths(f.figure) + " of the smaller radius at " + short_text(f.at) + " (radii " +
-                            radii + ", axes " + short_text(m.gap + m.radii[0] + m.radii[1]) + " apart)";
+  const std::string depth = " by " + hundredths(f.figure) + " of the smaller radius at " + short_text(f.at) +
+                            " (radii " + radii + ", axes " + short_text(m.gap + m.radii[0] + m.radii[1]) + " apart)";
   switch (contact.kind) {
     case ContactKind::passing:
       if (m.gap < 0) {
@@ -116,10 +116,9 @@ Finding contact_finding(const Network& network, const Contact& contact) {
   return f;
 }
 
-void add_contacts(const Network& network, std::vector<Finding>& findings) {
+void add_contacts(const Network& network, const std::vector<Contact>& contacts, std::vector<Finding>& findings) {
   std::vector<int> component_of;
   const std::vector<Component> components = components_of(network, component_of);
-  const std::vector<Contact> contacts = find_contacts(network);
 
   double largest = 0;
   for (const Component& c : components) {
@@ -254,8 +253,9 @@ void add_thin_branches(const Network& network, std::vector<Finding>& findings) {
       f.at = node.position;
       f.point = node.point;
       f.figure = node.radius / own;
-      f.text = vessel_text(network, static_cast<int>(b)) + " has the radius " + short_text(own) + " at the junction at " +
-               short_text(f.at) + ", whose radius is " + short_text(node.radius) + ": " + hundredths(f.figure) + " times as much";
+      f.text = vessel_text(network, static_cast<int>(b)) + " has the radius " + short_text(own) +
+               " at the junction at " + short_text(f.at) + ", whose radius is " + short_text(node.radius) + ": " +
+               hundredths(f.figure) + " times as much";
       f.cure = "check the radii of the points there; leave the branch out if it does not matter";
       findings.push_back(f);
     }
@@ -289,6 +289,7 @@ double badness(const Finding& f) {
   switch (f.kind) {
     case FindingKind::touch:
     case FindingKind::stub:
+    case FindingKind::unjoined:
     case FindingKind::near_junctions:
     case FindingKind::fragment:
       return -f.figure;
@@ -302,7 +303,7 @@ double badness(const Finding& f) {
 std::string_view name_of(FindingKind kind) {
   constexpr std::string_view names[]{"overlap",    "touch",       "hairpin", "side_by_side",
                                      "sharp_bend", "steep_taper", "thin_branch", "stub",    "fragment",
-                                     "near_junctions"};
+                                     "unjoined",   "near_junctions"};
   return names[static_cast<int>(kind)];
 }
 
@@ -313,10 +314,12 @@ std::string_view name_of(Severity severity) {
 
 std::vector<Finding> diagnose(const Network& network) {
   std::vector<Finding> findings;
-  add_contacts(network, findings);
+  const std::vector<Contact> contacts = find_contacts(network);
+  add_contacts(network, contacts, findings);
   add_bends_and_tapers(network, findings);
   add_thin_branches(network, findings);
   add_stubs(network, findings);
+  add_unjoined(network, contacts, findings);
   add_near_junctions(network, findings);
   std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
     return a.kind != b.kind ? a.kind < b.kind : badness(a) > badness(b);

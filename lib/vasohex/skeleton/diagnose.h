@@ -20,6 +20,7 @@ enum class FindingKind {
   thin_branch,     ///< a branch thinner than 1/30 of its junction; figure: radius of the junction / its own
   stub,            ///< a side branch that lies in another up to its end; figure: its length / radius of the parent
   fragment,        ///< a component that is tiny, or inside another vessel; figure: its length / its diameter
+  unjoined,        ///< a node deep in a vessel that no junction joins it to; figure: distance from its axis / radius
   near_junctions,  ///< junctions closer than their radius; figure: distance / radius
 };
 
