@@ -124,6 +124,40 @@ BlockSolution optimised(const Branch& branch, const ImplicitSurface& surface, co
   return fit_to_mesh(problem, refine_blocks(problem, optimise_blocks(problem), kWeak, false));
 }
 
+/// Whether the surface leaves the wall of the layer's blocks, as at a bulge, and shorter blocks could follow it
+/// better.
+bool is_rough(const Branch& branch, const ImplicitSurface& surface, const BranchPiece& piece, int layer) {
+  constexpr double kRough = 0.05;  // of the local radius
+  constexpr double kShort = 1;     // radii: at bulges, half of less made blocks that fold [measured]
+  constexpr int kSamples = 9;      // per direction of a block's wall
+  const double s0 = piece.stations[layer], s1 = piece.stations[layer + 1];
+  if (surface.is_round() || s1 - s0 < kShort * axis_point(branch, 0.5 * (s0 + s1)).radius) {
+    return false;
+  }
+  std::vector<double> at(kSamples);
+  for (int i = 0; i < kSamples; ++i) {
+    at[i] = (i + 0.5) / kSamples;
+  }
+  const std::vector<double> weights = lagrange_values(family_nodes(NodeFamily::gauss_lobatto, kBlockDegree), at);
+  const auto part = surface.part({{piece.branch, s0, s1}});
+  for (int quad = 1; quad < 5; ++quad) {
+    const Vec3* nodes = &piece.nodes[static_cast<std::size_t>(5 * layer + quad) * kBlockNodes];
+    for (int sample = 0; sample < kSamples * kSamples; ++sample) {
+      Vec3 p = Vec3::Zero();
+      for (int k = 0; k < kLine; ++k) {
+        for (int j = 0; j < kLine; ++j) {
+          p += weights[sample / kSamples * kLine + k] * weights[sample % kSamples * kLine + j] *
+               nodes[kLine - 1 + kLine * (j + kLine * k)];
+        }
+      }
+      if (std::abs(part->value(p)) > kRough * part->radius(p)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 /// The best found for layers `from` to `to`: as they are, optimised all together or, where that is not certified,
 /// each half for itself. A long run may turn so far that it meets itself, and then no surface of all of it serves.
 BlockSolution improved(const Branch& branch, const ImplicitSurface& surface, const MeshDivision& mesh,
@@ -234,6 +268,20 @@ void place_frames(const Branch& branch, const SectionFrame* first, const Section
     const double part = (s[i] - s.front()) / (s.back() - s.front());
     piece.frames[i] = turned(piece.frames[i], begin + part * (end - begin));
   }
+}
+
+bool halve_rough_layers(const Branch& branch, const ImplicitSurface& surface, BranchPiece& piece) {
+  std::vector<double> halved;
+  for (int layer = 0; layer + 1 < static_cast<int>(piece.stations.size()); ++layer) {
+    halved.push_back(piece.stations[layer]);
+    if (is_rough(branch, surface, piece, layer)) {
+      halved.push_back(0.5 * (piece.stations[layer] + piece.stations[layer + 1]));
+    }
+  }
+  halved.push_back(piece.stations.back());
+  const bool any = halved.size() > piece.stations.size();
+  piece.stations = std::move(halved);
+  return any;
 }
 
 void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, const MeshDivision& mesh, double good,

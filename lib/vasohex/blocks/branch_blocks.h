@@ -29,6 +29,10 @@ void place_frames(const Branch& branch, const SectionFrame* first, const Section
 /// The control points of the piece's blocks, from its frames.
 void fill_nodes(const ImplicitSurface& surface, BranchPiece& piece);
 
+/// Where vessels are not round: a station more within each layer of at least a radius whose wall the surface leaves by
+/// more than a twentieth of the local radius. True if there are any: frames and control points are to be made anew.
+bool halve_rough_layers(const Branch& branch, const ImplicitSurface& surface, BranchPiece& piece);
+
 /// Improves runs of layers whose blocks are weak (not certified, or of a scaled Jacobian below `good` in the mesh asked
 /// for), with the cross-sections around them fixed; where that does not make them valid, in shorter runs.
 void optimise_weak_layers(const Branch& branch, const ImplicitSurface& surface, const MeshDivision& mesh, double good,

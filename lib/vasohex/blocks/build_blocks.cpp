@@ -256,9 +256,13 @@ BlockStructure build_blocks(const Network& network, const ImplicitSurface& surfa
       piece.closed = network.nodes[branch.nodes[0]].seam;
       piece.stations =
           stations(branch, cap[b][0], branch.length() - cap[b][1], options.block_length, piece.closed ? 3 : 1);
-      place_frames(branch, section[b][0] ? &section[b][0]->frame : nullptr,
-                   section[b][1] ? &section[b][1]->frame : nullptr, piece);
-      fill_nodes(surface, piece);
+      constexpr int kMostHalved = 2;
+      int halved = 0;
+      do {
+        place_frames(branch, section[b][0] ? &section[b][0]->frame : nullptr,
+                     section[b][1] ? &section[b][1]->frame : nullptr, piece);
+        fill_nodes(surface, piece);
+      } while (halved++ < kMostHalved && halve_rough_layers(branch, surface, piece));
       optimise_weak_layers(branch, surface, options.mesh, 0.7, piece);
       const std::lock_guard lock(progress);
       run.progress("branches", static_cast<double>(++done) / network.branches.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -30,10 +31,12 @@ SectionFrame frame_at(const AxisPoint& p) {
   return f;
 }
 
-/// Whether the surface around the branch end's axis at arc length s is a tube, seen along rays in its normal plane,
-/// so many that a vessel of an eighth of the radius does not pass between them: of about the radius where vessels are
-/// round, of about the shape that it has a radius further on where they are not.
-bool is_tube(const ImplicitSurface& surface, const Branch& branch, int end, double s) {
+/// How far the surface around the branch end's axis at arc length s is from a tube's, in radii; infinity where it is
+/// not one at all, or there is no wall. Seen along rays in its normal plane, so many that a vessel of an eighth of
+/// the radius does not pass between them: where vessels are round, beside their radius, where they are not, beside
+/// the shape that it has a radius further on.
+double unlike_tube(const ImplicitSurface& surface, const Branch& branch, int end, double s) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
   const AxisPoint p = from_end(branch, end, s);
   const SectionFrame f = frame_at(p);
   const bool round = surface.is_round() || s + p.radius > branch.length();
@@ -42,23 +45,25 @@ bool is_tube(const ImplicitSurface& surface, const Branch& branch, int end, doub
     return shoot(surface, from.position, direction, from.radius, most * from.radius);
   };
   constexpr int kRays = 24;
+  double worst = 0;
   for (int ray = 0; ray < kRays; ++ray) {
     const double angle = ray * 2 * std::numbers::pi / kRays;
     const Vec3 direction = std::cos(angle) * f.x + std::sin(angle) * f.y;
     if (round) {
       const auto t = wall(p, direction, 1.3);
       if (!t || *t > (surface.is_round() ? 1.05 : 1.3) * p.radius || *t < 0.7 * p.radius) {
-        return false;
+        return kNone;
       }
     } else {
       const auto t = wall(p, direction, 3);
       const auto further_on = wall(q, (direction - q.tangent.dot(direction) * q.tangent).normalized(), 3);
-      if (!t || !further_on || std::abs(*t - *further_on) > 0.2 * p.radius) {
-        return false;
+      if (!t || !further_on) {
+        return kNone;
       }
+      worst = std::max(worst, std::abs(*t - *further_on) / p.radius);
     }
   }
-  return true;
+  return worst;
 }
 
 /// How a branch leaves a cube: a way that is its own, from the centre to arc length `start` of the branch.
@@ -84,8 +89,8 @@ ArmAxis sample(const Branch& branch, int end, double from, double to) {
 }
 
 /// Ways from the hub's centre into its arms. Where two of three branches run side by side beyond the node the centre
-/// moves on to so many radii before they part, and the third branch reaches it on the middle line between them: a cube
-/// at the node would have to stretch as far.
+/// moves on to so many radii before they part, and the third branch reaches it on the middle line between them: a
+/// cube at the node would have to stretch as far.
 std::vector<Departure> depart(const Network& network, double before_parting, Hub& hub) {
   std::vector<Departure> departures(hub.arms.size());
   for (std::size_t a = 0; a < hub.arms.size(); ++a) {
@@ -190,18 +195,26 @@ void stop_at_end(const Network& network, Arm& arm) {
   }
 }
 
-/// Moves the arm's cap on until the surface around its branch is a tube there, by 3 radii at most. True if it was not
-/// one before and is now.
+/// Moves the arm's cap on until the surface around its branch is a tube there, by 3 radii at most; if it is not one
+/// anywhere, to where it is least unlike one. True if it was not one before and is now.
 bool move_to_tube(const Network& network, const ImplicitSurface& surface, Arm& arm) {
+  constexpr double kTube = 0.2;
   const Branch& branch = network.branches[arm.branch];
   int step = 0;
-  bool tube = false;
-  for (; step < 12 && arm.cap < branch.length() && !tube; ++step) {
-    tube = is_tube(surface, branch, arm.end, arm.cap);
-    arm.cap += tube ? 0.0 : 0.25 * from_end(branch, arm.end, arm.cap).radius;
+  double least = std::numeric_limits<double>::infinity(), best = arm.cap;
+  for (; step < 12 && arm.cap < branch.length() && least > kTube; ++step) {
+    const double unlike = unlike_tube(surface, branch, arm.end, arm.cap);
+    if (unlike < least) {
+      least = unlike;
+      best = arm.cap;
+    }
+    arm.cap += 0.25 * from_end(branch, arm.end, arm.cap).radius;
+  }
+  if (std::isfinite(least)) {
+    arm.cap = best;
   }
   stop_at_end(network, arm);
-  return tube && step > 1;
+  return least <= kTube && step > 1;
 }
 
 /// A hub for each junction, its caps where the surface around it alone leaves room for them.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "vasohex/core/node_family.h"
@@ -12,12 +13,15 @@
 namespace vasohex {
 namespace {
 
-constexpr int kPasses = kRelaxReach;  // a node is moved by the elements around it, and these by their neighbours
-constexpr int kSteps = 4;             // of relaxation, from the shifts to bilinear ones, and from these to none
-constexpr double kEven = 0.05;        // shifts that differ by less than this part of an element's height
-constexpr double kWorthIt = 0.05;     // gain of the scaled Jacobian
+constexpr int kPasses = 5;  // a node is moved by the elements around it, and these by their neighbours
+constexpr int kSweeps = 4;  // of smoothing
+constexpr int kSteps = 4;   // of relaxation: from the shifts to bilinear ones, from these to none, to a smooth wall
+static_assert(kRelaxReach == 2 * kPasses + kSweeps);
+constexpr double kEven = 0.05;     // shifts that differ by less than this part of an element's height
+constexpr double kWorthIt = 0.05;  // gain of the scaled Jacobian
 
-/// Shifts are relaxed in two stages: level 0 to 1 leads them to the bilinear ones, 1 to 2 these to nothing.
+/// Shifts are relaxed in three stages: level 0 to 1 leads them to the bilinear ones, 1 to 2 these to nothing, 2 to 3
+/// to a wall smoother than that of the blocks.
 class WallRelaxer {
  public:
   WallRelaxer(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
@@ -36,6 +40,7 @@ class WallRelaxer {
     level_.assign(shifts_.size(), 0);
     bilinear_.assign(shifts_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     for_faces([&](const Patch& b, int u, int v) { add_bilinear(face_nodes(b, u, v)); });
+    smooth();
   }
 
   RelaxedWall run(const ImplicitSurface& surface, const Run& run) {
@@ -141,10 +146,66 @@ class WallRelaxer {
     }
   }
 
+  /// From the blocks' wall to a smoother one: Laplace sweeps of the elements' corners, bilinear in between. Rims
+  /// stay.
+  void smooth() {
+    std::map<std::array<int, 2>, int> faces_of_edge;
+    for_faces([&](const Patch& b, int u, int v) {
+      const std::vector<int> nodes = face_nodes(b, u, v);
+      const std::array<int, 4> ring{nodes[0], nodes[p_], nodes[line_ * line_ - 1], nodes[line_ * p_]};
+      for (int i = 0; i < 4; ++i) {
+        ++faces_of_edge[{std::min(ring[i], ring[(i + 1) % 4]), std::max(ring[i], ring[(i + 1) % 4])}];
+      }
+    });
+    std::vector<char> fixed(shifts_.size(), 0);
+    std::vector<int> neighbours(shifts_.size(), 0);
+    for (const auto& [edge, faces] : faces_of_edge) {
+      for (const int n : edge) {
+        fixed[n] |= faces == 1;
+        ++neighbours[n];
+      }
+    }
+    std::vector<Vec3> at;
+    for (const WallShift& s : shifts_) {
+      at.push_back(mesh_.nodes[s.node] - s.shift);
+    }
+    std::vector<Vec3> smoothed = at;
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      std::vector<Vec3> sum(shifts_.size(), Vec3::Zero());
+      for (const auto& [edge, faces] : faces_of_edge) {
+        sum[edge[0]] += smoothed[edge[1]];
+        sum[edge[1]] += smoothed[edge[0]];
+      }
+      for (std::size_t n = 0; n < at.size(); ++n) {
+        if (neighbours[n] > 0 && !fixed[n]) {
+          smoothed[n] = 0.5 * (smoothed[n] + sum[n] / neighbours[n]);
+        }
+      }
+    }
+    smoothing_.assign(shifts_.size(), Vec3::Zero());
+    for_faces([&](const Patch& b, int u, int v) {
+      const std::vector<int> nodes = face_nodes(b, u, v);
+      const auto corner = [&](int i, int j) -> Vec3 {
+        const int n = nodes[i + line_ * j];
+        return smoothed[n] - at[n];
+      };
+      for (int j = 0; j < line_; ++j) {
+        for (int i = 0; i < line_; ++i) {
+          const double s = family_[i], t = family_[j];
+          smoothing_[nodes[i + line_ * j]] = (1 - t) * ((1 - s) * corner(0, 0) + s * corner(p_, 0)) +
+                                             t * ((1 - s) * corner(0, p_) + s * corner(p_, p_));
+        }
+      }
+    });
+  }
+
   /// What is added to a wall node.
   Vec3 move_of(int n, double level) const {
     const Vec3 &shift = shifts_[n].shift, &bilinear = bilinear_[n];
-    return level <= 1 ? Vec3(level * (bilinear - shift)) : Vec3((2 - level) * bilinear - shift);
+    if (level <= 1) {
+      return level * (bilinear - shift);
+    }
+    return level <= 2 ? Vec3((2 - level) * bilinear - shift) : Vec3((level - 2) * smoothing_[n] - shift);
   }
 
   /// Part of a wall node's move that node i of its line follows with.
@@ -182,6 +243,22 @@ class WallRelaxer {
     return largest < kEven * kEven * height2;
   }
 
+  /// Whether elements behind the faces around one would fold, or more so, with its nodes at `level`.
+  bool folds_others(const Patch& b, int u, int v, const std::vector<int>& nodes, double level) const {
+    const auto raised = [&](int n) {
+      return std::find(nodes.begin(), nodes.end(), n) != nodes.end() ? std::max(level, level_[n]) : level_[n];
+    };
+    for (int v1 = std::max(0, v - p_); v1 <= v + p_ && v1 + p_ < b.size[b.d2]; v1 += p_) {
+      for (int u1 = std::max(0, u - p_); u1 <= u + p_ && u1 + p_ < b.size[b.d1]; u1 += p_) {
+        const Column beside = column_of(b, u1, v1, face_nodes(b, u1, v1));
+        if (quality_with(beside, raised).least() < std::min(0.0, quality(beside, 0).least())) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
   /// The least level that makes the elements behind the face good; 0 where nothing is won.
   double level_for(const Patch& b, int u, int v, const std::vector<int>& nodes) const {
     const Column column = column_of(b, u, v, nodes);
@@ -197,9 +274,12 @@ class WallRelaxer {
       }
     }
     Quality now = level > 0 ? quality(column, level) : before;
-    for (int step = 1; step <= kSteps && now.least() < kFoldedOnWall; ++step) {
+    for (int step = 1; step <= 2 * kSteps && now.least() < kFoldedOnWall; ++step) {
       const double at = 1 + static_cast<double>(step) / kSteps;
       const Quality then = quality(column, at);
+      if (at > 2 && folds_others(b, u, v, nodes, at)) {
+        break;
+      }
       if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt)) {
         level = at;
         now = then;
@@ -251,10 +331,14 @@ class WallRelaxer {
 
   /// Of the worst element of a column whose wall nodes are at least at a level.
   Quality quality(const Column& column, double level) const {
+    return quality_with(column, [&](int n) { return std::max(level, level_[n]); });
+  }
+  template <class LevelOf>
+  Quality quality_with(const Column& column, const LevelOf& level_of) const {
     std::vector<Vec3> nodes = column.nodes;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const int n = column.wall[k];
-      nodes[k] += column.follow[k] * move_of(n, std::max(level, level_[n]));
+      nodes[k] += column.follow[k] * move_of(n, level_of(n));
     }
     Run serial;
     serial.threads = 1;
@@ -303,9 +387,10 @@ class WallRelaxer {
   int p_, line_;
   std::vector<double> family_;
   std::vector<WallShift> shifts_;
-  std::vector<int> shift_of_;   ///< [nodes] index of the shift of a wall node, -1 of others
-  std::vector<Vec3> bilinear_;  ///< [shifts] between those of the corners of their faces
-  std::vector<double> level_;   ///< [shifts]
+  std::vector<int> shift_of_;    ///< [nodes] index of the shift of a wall node, -1 of others
+  std::vector<Vec3> bilinear_;   ///< [shifts] between those of the corners of their faces
+  std::vector<Vec3> smoothing_;  ///< [shifts] from the blocks' wall to a smoother one
+  std::vector<double> level_;    ///< [shifts]
 };
 
 }  // namespace
