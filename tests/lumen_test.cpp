@@ -266,11 +266,48 @@ class RidgedTube final : public ImplicitSurface {
   static constexpr double kAt = 4.22;
 };
 
+/// A round tube along x that is half as wide again at x = 4.
+class BulgingTube final : public ImplicitSurface {
+ public:
+  double value(const Vec3& x) const override {
+    Vec3 gradient;
+    return value(x, gradient);
+  }
+  double value(const Vec3& x, Vec3& gradient) const override {
+    const Vec3 across(0, x.y(), x.z());
+    const double off = (x.x() - 4) / 0.35, bulge = 0.5 * std::exp(-off * off);
+    gradient = across.norm() > 0 ? Vec3(across.normalized()) : Vec3(Vec3::UnitY());
+    gradient.x() = bulge * 2 * off / 0.35;
+    return across.norm() - 1 - bulge;
+  }
+  double radius(const Vec3&) const override { return 1; }
+};
+
 Lumen open_tube(std::shared_ptr<const ImplicitSurface> surface) {
   Lumen lumen;
   lumen.ends = {{Vec3::Zero(), -Vec3::UnitX(), 1}, {Vec3(8, 0, 0), Vec3::UnitX(), 1}};
   lumen.surface = [surface = std::move(surface)](const Network&) { return surface; };
   return lumen;
+}
+
+TEST(Lumen, LayersAreShorterWhereTheWallBulges) {
+  SkeletonMeshOptions options;
+  options.mesh.order = 2;
+  options.grading.elements = 3;
+  const SkeletonMesh m = mesh_lumen(straight_skeleton(), open_tube(std::make_shared<BulgingTube>()), options);
+  const QualityReport quality = measure_quality(m.result.mesh);
+  EXPECT_EQ(quality.certified, m.result.mesh.element_count());
+  EXPECT_GT(quality.scaled_jacobian.min, 0.4);
+  int shorter = 0;
+  for (const std::vector<Stretch>& region : m.blocks.regions) {
+    ASSERT_EQ(region.size(), 1u);
+    const double middle = 0.5 * (region[0].from + region[0].to);
+    if (region[0].to - region[0].from < 1.5) {
+      ++shorter;
+      EXPECT_LT(std::abs(middle - 4), 2) << "a layer of " << options.blocks.block_length << " radii would do";
+    }
+  }
+  EXPECT_GE(shorter, 2);
 }
 
 TEST(Lumen, ElementsDoNotFoldAtCreases) {
