@@ -248,40 +248,43 @@ TEST(Lumen, MayCloseWithoutAnEnd) {
   EXPECT_NEAR(furthest, 9, 0.01);  // the wall of the half sphere is reached
 }
 
-/// A round tube along x with a ridge all around it at x = 4.22, narrower than an element: .24 high and as wide.
-class RidgedTube final : public ImplicitSurface {
+/// A round tube along x, wider than 1 by profile(x, slope).
+class WidenedTube final : public ImplicitSurface {
  public:
+  using Profile = double (*)(double x, double& slope);
+  explicit WidenedTube(Profile profile) : profile_(profile) {}
   double value(const Vec3& x) const override {
     Vec3 gradient;
     return value(x, gradient);
   }
   double value(const Vec3& x, Vec3& gradient) const override {
     const Vec3 across(0, x.y(), x.z());
-    const double off = x.x() - kAt, ridge = std::max(0.0, 0.24 - 2 * std::abs(off));
+    double slope = 0;
+    const double wider = profile_(x.x(), slope);
     gradient = across.norm() > 0 ? Vec3(across.normalized()) : Vec3(Vec3::UnitY());
-    gradient.x() = ridge > 0 ? (off > 0 ? 2 : -2) : 0;
-    return across.norm() - 1 - ridge;
+    gradient.x() = -slope;
+    return across.norm() - 1 - wider;
   }
   double radius(const Vec3&) const override { return 1; }
-  static constexpr double kAt = 4.22;
+
+ private:
+  Profile profile_;
 };
 
-/// A round tube along x that is half as wide again at x = 4.
-class BulgingTube final : public ImplicitSurface {
- public:
-  double value(const Vec3& x) const override {
-    Vec3 gradient;
-    return value(x, gradient);
-  }
-  double value(const Vec3& x, Vec3& gradient) const override {
-    const Vec3 across(0, x.y(), x.z());
-    const double off = (x.x() - 4) / 0.35, bulge = 0.5 * std::exp(-off * off);
-    gradient = across.norm() > 0 ? Vec3(across.normalized()) : Vec3(Vec3::UnitY());
-    gradient.x() = bulge * 2 * off / 0.35;
-    return across.norm() - 1 - bulge;
-  }
-  double radius(const Vec3&) const override { return 1; }
-};
+/// A ridge all around, narrower than an element: .24 high and as wide.
+constexpr double kRidgeAt = 4.22;
+double ridge(double x, double& slope) {
+  const double off = x - kRidgeAt, high = std::max(0.0, 0.24 - 2 * std::abs(off));
+  slope = high > 0 ? (off > 0 ? -2 : 2) : 0;
+  return high;
+}
+
+/// Half as wide again at x = 4.
+double bulge(double x, double& slope) {
+  const double off = (x - 4) / 0.35, high = 0.5 * std::exp(-off * off);
+  slope = -high * 2 * off / 0.35;
+  return high;
+}
 
 Lumen open_tube(std::shared_ptr<const ImplicitSurface> surface) {
   Lumen lumen;
@@ -294,7 +297,7 @@ TEST(Lumen, LayersAreShorterWhereTheWallBulges) {
   SkeletonMeshOptions options;
   options.mesh.order = 2;
   options.grading.elements = 3;
-  const SkeletonMesh m = mesh_lumen(straight_skeleton(), open_tube(std::make_shared<BulgingTube>()), options);
+  const SkeletonMesh m = mesh_lumen(straight_skeleton(), open_tube(std::make_shared<WidenedTube>(bulge)), options);
   const QualityReport quality = measure_quality(m.result.mesh);
   EXPECT_EQ(quality.certified, m.result.mesh.element_count());
   EXPECT_GT(quality.scaled_jacobian.min, 0.4);
@@ -311,7 +314,7 @@ TEST(Lumen, LayersAreShorterWhereTheWallBulges) {
 }
 
 TEST(Lumen, ElementsDoNotFoldAtCreases) {
-  const auto surface = std::make_shared<RidgedTube>();
+  const auto surface = std::make_shared<WidenedTube>(ridge);
   for (const int order : {4, 5}) {
     SCOPED_TRACE(order);
     SkeletonMeshOptions options;
@@ -325,7 +328,7 @@ TEST(Lumen, ElementsDoNotFoldAtCreases) {
     EXPECT_EQ(m.result.unconverged, 0);
     EXPECT_GT(m.result.relaxed.nodes, 0);
     EXPECT_LT(m.result.relaxed.largest, 0.24);
-    EXPECT_LT(std::abs(m.result.relaxed.place.x() - RidgedTube::kAt), 0.7);
+    EXPECT_LT(std::abs(m.result.relaxed.place.x() - kRidgeAt), 0.7);
     // only there, and corners of elements lie on the surface everywhere
     const int n = order + 1;
     int off = 0;
@@ -336,7 +339,7 @@ TEST(Lumen, ElementsDoNotFoldAtCreases) {
         const bool corner = (at % n == 0 || at % n == order) && (at / n == 0 || at / n == order);
         const double distance = std::abs(surface->value(x));
         off += distance > 1e-6;
-        EXPECT_LT(distance, corner || std::abs(x.x() - RidgedTube::kAt) > 0.7 ? 1e-7 : 0.24);
+        EXPECT_LT(distance, corner || std::abs(x.x() - kRidgeAt) > 0.7 ? 1e-7 : 0.24);
       }
     }
     EXPECT_GT(off, 0);

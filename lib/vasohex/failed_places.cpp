@@ -16,7 +16,6 @@ constexpr double kNear = 6;       // radii from an element to the finding that i
 constexpr double kNearOther = 2;  // the same of findings about other branches
 constexpr double kNearCut = 2;    // radii of an end around it
 
-
 std::string name_of_place(const Network& network, int place) {
   if (place < 0) {
     const NetworkNode& node = network.nodes[-1 - place];

@@ -128,7 +128,7 @@ BlockSolution optimised(const Branch& branch, const ImplicitSurface& surface, co
 /// better.
 bool is_rough(const Branch& branch, const ImplicitSurface& surface, const BranchPiece& piece, int layer) {
   constexpr double kRough = 0.05;  // of the local radius
-  constexpr double kShort = 1;     // radii: at bulges, half of less made blocks that fold [measured]
+  constexpr double kShort = 1;     // radii: at bulges, halves of shorter layers fold [measured]
   constexpr int kSamples = 9;      // per direction of a block's wall
   const double s0 = piece.stations[layer], s1 = piece.stations[layer + 1];
   if (surface.is_round() || s1 - s0 < kShort * axis_point(branch, 0.5 * (s0 + s1)).radius) {

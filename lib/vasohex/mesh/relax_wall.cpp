@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <utility>
 
 #include "vasohex/core/node_family.h"
@@ -40,7 +41,6 @@ class WallRelaxer {
     level_.assign(shifts_.size(), 0);
     bilinear_.assign(shifts_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     for_faces([&](const Patch& b, int u, int v) { add_bilinear(face_nodes(b, u, v)); });
-    smooth();
   }
 
   RelaxedWall run(const ImplicitSurface& surface, const Run& run) {
@@ -128,27 +128,32 @@ class WallRelaxer {
     return nodes;
   }
 
+  /// Between what of(shift) is at the corners of a face.
+  template <class Of>
+  Vec3 bilinear_at(const std::vector<int>& nodes, int u, int v, const Of& of) const {
+    const double s = family_[u], t = family_[v];
+    return (1 - t) * ((1 - s) * of(nodes[0]) + s * of(nodes[p_])) +
+           t * ((1 - s) * of(nodes[line_ * p_]) + s * of(nodes[line_ * line_ - 1]));
+  }
+
   /// Faces that share an edge agree on it: there it is a matter of the edge's ends. The first one says.
   void add_bilinear(const std::vector<int>& nodes) {
-    const auto shift = [&](int u, int v) -> const Vec3& { return shifts_[nodes[u + line_ * v]].shift; };
+    const auto shift = [&](int n) -> const Vec3& { return shifts_[n].shift; };
     for (int v = 0; v < line_; ++v) {
       for (int u = 0; u < line_; ++u) {
         Vec3& out = bilinear_[nodes[u + line_ * v]];
         if (out.allFinite()) {
           continue;
         }
-        const double s = family_[u], t = family_[v];
         const bool corner = (u == 0 || u == p_) && (v == 0 || v == p_);
-        out = corner ? shift(u, v)
-                     : Vec3((1 - t) * ((1 - s) * shift(0, 0) + s * shift(p_, 0)) +
-                            t * ((1 - s) * shift(0, p_) + s * shift(p_, p_)));
+        out = corner ? shift(nodes[u + line_ * v]) : bilinear_at(nodes, u, v, shift);
       }
     }
   }
 
   /// From the blocks' wall to a smoother one: Laplace sweeps of the elements' corners, bilinear in between. Rims
   /// stay.
-  void smooth() {
+  std::vector<Vec3> smoothing() const {
     std::map<std::array<int, 2>, int> faces_of_edge;
     for_faces([&](const Patch& b, int u, int v) {
       const std::vector<int> nodes = face_nodes(b, u, v);
@@ -182,21 +187,15 @@ class WallRelaxer {
         }
       }
     }
-    smoothing_.assign(shifts_.size(), Vec3::Zero());
+    const auto moved = [&](int n) -> Vec3 { return smoothed[n] - at[n]; };
+    std::vector<Vec3> all(shifts_.size(), Vec3::Zero());
     for_faces([&](const Patch& b, int u, int v) {
       const std::vector<int> nodes = face_nodes(b, u, v);
-      const auto corner = [&](int i, int j) -> Vec3 {
-        const int n = nodes[i + line_ * j];
-        return smoothed[n] - at[n];
-      };
-      for (int j = 0; j < line_; ++j) {
-        for (int i = 0; i < line_; ++i) {
-          const double s = family_[i], t = family_[j];
-          smoothing_[nodes[i + line_ * j]] = (1 - t) * ((1 - s) * corner(0, 0) + s * corner(p_, 0)) +
-                                             t * ((1 - s) * corner(0, p_) + s * corner(p_, p_));
-        }
+      for (int i = 0; i < line_ * line_; ++i) {
+        all[nodes[i]] = bilinear_at(nodes, i % line_, i / line_, moved);
       }
     });
+    return all;
   }
 
   /// What is added to a wall node.
@@ -205,7 +204,11 @@ class WallRelaxer {
     if (level <= 1) {
       return level * (bilinear - shift);
     }
-    return level <= 2 ? Vec3((2 - level) * bilinear - shift) : Vec3((level - 2) * smoothing_[n] - shift);
+    if (level <= 2) {
+      return (2 - level) * bilinear - shift;
+    }
+    std::call_once(smoothed_, [&] { smoothing_ = smoothing(); });  // few meshes need it
+    return (level - 2) * smoothing_[n] - shift;
   }
 
   /// Part of a wall node's move that node i of its line follows with.
@@ -276,10 +279,10 @@ class WallRelaxer {
     Quality now = level > 0 ? quality(column, level) : before;
     for (int step = 1; step <= 2 * kSteps && now.least() < kFoldedOnWall; ++step) {
       const double at = 1 + static_cast<double>(step) / kSteps;
-      const Quality then = quality(column, at);
       if (at > 2 && folds_others(b, u, v, nodes, at)) {
         break;
       }
+      const Quality then = quality(column, at);
       if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt)) {
         level = at;
         now = then;
@@ -387,10 +390,11 @@ class WallRelaxer {
   int p_, line_;
   std::vector<double> family_;
   std::vector<WallShift> shifts_;
-  std::vector<int> shift_of_;    ///< [nodes] index of the shift of a wall node, -1 of others
-  std::vector<Vec3> bilinear_;   ///< [shifts] between those of the corners of their faces
-  std::vector<Vec3> smoothing_;  ///< [shifts] from the blocks' wall to a smoother one
-  std::vector<double> level_;    ///< [shifts]
+  std::vector<int> shift_of_;   ///< [nodes] index of the shift of a wall node, -1 of others
+  std::vector<Vec3> bilinear_;  ///< [shifts] between those of the corners of their faces
+  std::vector<double> level_;   ///< [shifts]
+  mutable std::once_flag smoothed_;
+  mutable std::vector<Vec3> smoothing_;  ///< [shifts] from the blocks' wall to a smoother one, once it is asked for
 };
 
 }  // namespace
