@@ -147,6 +147,26 @@ Vec3 spike(const Vec3& x) {
   return std::exp(-4 * d.squaredNorm()) * Vec3(1.1, 0.3, 0);
 }
 
+TEST(RelaxWall, CentresNodesWhereTheParameterOfAnEdgeAlmostStops) {
+  const auto none = [](const Vec3&) -> Vec3 { return Vec3::Zero(); };
+  // the middle node of one element's edges lies at .8 of them: beyond .75 the element folds
+  const auto late = [](const Vec3& x) -> Vec3 {
+    return std::abs(x.x() - (kWide / 2 + 1.5)) < 0.1 ? Vec3(0.3 * Vec3::UnitX()) : Vec3(Vec3::Zero());
+  };
+  for (const bool above : {false, true}) {
+    Slab slab(2, above, none, late);
+    const HexMesh before = slab.mesh;
+    EXPECT_LT(measure_quality(before).certified, before.element_count());
+    const RelaxedWall relaxed = slab.relax();
+    EXPECT_GT(relaxed.nodes, 0);
+    EXPECT_NEAR(relaxed.largest, 0.3, 1e-9);
+    EXPECT_GT(measure_quality(slab.mesh).scaled_jacobian.min, 0.9);
+    for (std::size_t i = 0; i < before.nodes.size(); ++i) {
+      EXPECT_EQ(before.nodes[i].z(), slab.mesh.nodes[i].z());
+    }
+  }
+}
+
 TEST(RelaxWall, FlattensSpikesOfTheBlocksThatFoldElements) {
   // of the first order: elements of the others fold, or not, with all of the spike's shape
   const auto small = [](const Vec3& x) -> Vec3 { return 0.1 * spike(x); };

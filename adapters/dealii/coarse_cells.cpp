@@ -1,39 +1,16 @@
 #include "dealii/coarse_cells.h"
 
-#include <cmath>
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "vasohex/core/error.h"
 #include "vasohex/core/node_family.h"
 #include "vasohex/core/reference_hex.h"
-#include "vasohex/mesh/generate_mesh.h"
-#include "vasohex/surface/project.h"
+#include "vasohex/mesh/wall_node.h"
 
 namespace vasohex {
-namespace {
-
-/// A surface as seen within planes: its gradient has no part along their normals, so projection stays in them.
-class WithinPlanes final : public ImplicitSurface {
- public:
-  WithinPlanes(const ImplicitSurface& surface, std::vector<Vec3> normals)
-      : surface_(surface), normals_(std::move(normals)) {}
-  double value(const Vec3& x) const override { return surface_.value(x); }
-  double value(const Vec3& x, Vec3& gradient) const override {
-    const double v = surface_.value(x, gradient);
-    for (const Vec3& n : normals_) {
-      gradient -= n.dot(gradient) * n;
-    }
-    return v;
-  }
-  double radius(const Vec3& x) const override { return surface_.radius(x); }
-
- private:
-  const ImplicitSurface& surface_;
-  std::vector<Vec3> normals_;
-};
-
-}  // namespace
+namespace {}  // namespace
 
 HexMesh block_mesh(const BlockStructure& blocks) {
   HexMesh mesh;
@@ -91,21 +68,6 @@ CoarseCells::CoarseCells(const BlockStructure& blocks, std::shared_ptr<const Imp
   }
 }
 
-Vec3 CoarseCells::wall_shift(const Wall& wall, const Vec3& start, const std::vector<int>& planes) const {
-  Projection found;
-  if (planes.empty()) {
-    found = project(*wall.surface, start);
-  } else {
-    std::vector<Vec3> normals;
-    for (const int p : planes) {
-      normals.push_back(plane_normals_[p]);
-    }
-    found = project(WithinPlanes(*wall.surface, std::move(normals)), start);
-  }
-  const Vec3 shift = found.point - start;
-  return found.converged && shift.norm() <= kFurthestShift * wall.surface->radius(start) ? shift : Vec3::Zero();
-}
-
 std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int order, WallShifts& known) const {
   const int n = mesh_.order + 1, m = order + 1;
   Places at;
@@ -156,37 +118,35 @@ std::vector<Vec3> CoarseCells::points(int element, const SubCube& cube, int orde
 
 void CoarseCells::shift_towards_wall(int element, const Places& at, WallShifts& known,
                                      std::vector<Vec3>& points) const {
-  const int n = mesh_.order + 1, m = static_cast<int>(at.t[0].size());
-  const int* ids = &mesh_.elements[static_cast<std::size_t>(element) * n * n * n];
+  const int m = static_cast<int>(at.t[0].size());
   const Wall& wall = walls_[element];
   const int d = wall.face / 2;
   const bool at_end = wall.face % 2 == 1;
   const auto [da, db] = hex_face_axes(wall.face);
-  const std::array<int, 3> stride{1, m, m * m}, node_stride{1, n, n * n};
-  const int wall_base = at_end ? (n - 1) * node_stride[d] : 0;
+  const std::array<int, 3> stride{1, m, m * m};
   for (int b = 0; b < m; ++b) {
     for (int a = 0; a < m; ++a) {
       const auto [entry, is_new] = known.try_emplace({at.t[da][a], at.t[db][b]});
       Vec3& shift = entry->second;
       if (is_new) {
-        Vec3 start = Vec3::Zero();
-        for (int l = 0; l < n; ++l) {
-          Vec3 row = Vec3::Zero();
-          for (int k = 0; k < n; ++k) {
-            row += at.values[da][a * n + k] * mesh_.nodes[ids[wall_base + k * node_stride[da] + l * node_stride[db]]];
-          }
-          start += at.values[db][b * n + l] * row;
-        }
-        std::vector<int> planes;
-        for (const auto& [direction, place] : {std::pair(da, at.t[da][a]), std::pair(db, at.t[db][b])}) {
+        Vec3 reference;
+        reference[da] = at.t[da][a];
+        reference[db] = at.t[db][b];
+        reference[d] = at_end ? 1 : 0;
+        Eigen::Matrix3d jacobian;
+        const Vec3 start = point(element, reference, jacobian);
+        const Vec3 outward = (at_end ? 1 : -1) * jacobian.col(d).normalized();
+        int end = 0;
+        for (const int direction : {da, db}) {
           for (int side = 0; side < 2; ++side) {
-            const int end = wall.end[2 * direction + side];
-            if (place == side && end > 0) {
-              planes.push_back(end - 1);
+            if (reference[direction] == side) {
+              end = std::max(end, wall.end[2 * direction + side]);
             }
           }
         }
-        shift = wall_shift(wall, start, planes);
+        const WallNode w = onto_wall(*wall.surface, start, outward, end > 0 ? &plane_normals_[end - 1] : nullptr,
+                                     wall.surface->radius(start));
+        shift = w.converged ? Vec3(w.point - start) : Vec3::Zero();
       }
       for (int i = 0; i < m; ++i) {
         points[a * stride[da] + b * stride[db] + i * stride[d]] += (at_end ? at.t[d][i] : 1 - at.t[d][i]) * shift;

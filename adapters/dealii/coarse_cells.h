@@ -52,7 +52,6 @@ class CoarseCells {
   };
   /// The shift of the wall onto the surface fades linearly along the lines that lead there.
   void shift_towards_wall(int element, const Places& at, WallShifts& known, std::vector<Vec3>& points) const;
-  Vec3 wall_shift(const Wall& wall, const Vec3& start, const std::vector<int>& planes) const;
 
   HexMesh mesh_;
   std::vector<double> nodes_1d_;

@@ -10,6 +10,7 @@
 #include "vasohex/core/parallel.h"
 #include "vasohex/core/reference_hex.h"
 #include "vasohex/mesh/relax_wall.h"
+#include "vasohex/mesh/wall_node.h"
 
 namespace vasohex {
 namespace {
@@ -127,39 +128,6 @@ class LineLength {
   std::array<double, 2 * kPieces + 1> speed_{};
   std::array<double, kPieces + 1> length_{};
 };
-
-struct WallNode {
-  Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();  ///< unit, outward; of an end's rim: within the plane of the end
-  double residual = 0;          ///< bound of the distance left, over the local radius
-  bool converged = false;
-};
-
-/// Newton onto the surface, within the plane of normal `plane` unless it is null; `radius` is about the local one.
-/// The blocks' walls lie close by, so an evaluation saved counts: the last step, of less than 1e-8 radii, is taken
-/// without another look, and its length is the bound.
-WallNode to_wall(const ImplicitSurface& surface, const Vec3& start, const Vec3* plane, double radius) {
-  WallNode w;
-  w.point = start;
-  Vec3 gradient;
-  for (int iteration = 0; iteration < 30 && !w.converged; ++iteration) {
-    const double value = surface.value(w.point, gradient);
-    if (plane) {
-      gradient -= plane->dot(gradient) * *plane;
-    }
-    Vec3 step = -value / std::max(gradient.squaredNorm(), 1e-300) * gradient;
-    const double length = step.norm();
-    if (length > 0.5 * radius) {
-      step *= 0.5 * radius / length;
-    }
-    w.point += step;
-    w.residual = length / radius;
-    w.converged = w.residual < 1e-8;
-  }
-  w.converged = w.converged && (w.point - start).norm() <= kFurthestShift * radius;
-  w.normal = gradient.normalized();
-  return w;
-}
 
 }  // namespace
 
@@ -311,7 +279,7 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
           }
           const Vec3* line = &lines[(static_cast<std::size_t>(v) * size[d1] + u) * n];
           Vec3 shift = Vec3::Zero();
-          Vec3 normal = Vec3::Zero();
+          Vec3 normal = Vec3::Zero(), slope = Vec3::Zero();  // slope: of the line at the wall
           if (wall >= 0) {
             int end_here = 0;
             for (const auto& [axis, at] : {std::pair(d1, u), std::pair(d2, v)}) {
@@ -321,7 +289,11 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             }
             const Vec3 start = line[wall_at_end ? n - 1 : 0];
             const Vec3 plane = end_here > 0 ? blocks.ends[end_here - 1].normal() : Vec3::Zero();
-            const WallNode w = to_wall(around, start, end_here > 0 ? &plane : nullptr, radius);
+            for (int i = 0; i < n; ++i) {
+              slope += line_slopes[(wall_at_end ? 2 * LineLength::kPieces : 0) * n + i] * line[i];
+            }
+            const Vec3 outward = (wall_at_end ? 1 : -1) * slope.normalized();
+            const WallNode w = onto_wall(around, start, outward, end_here > 0 ? &plane : nullptr, radius);
             counts[b].residual = std::max(counts[b].residual, w.residual);
             if (w.converged) {
               shift = w.point - start;
@@ -339,10 +311,7 @@ MeshResult generate_mesh(const BlockStructure& blocks, const BlockTopology& topo
             const WallLayers& layers = *sheet[d]->layers;
             const LineLength length(line, wall_at_end ? shift : Vec3(-shift), line_slopes, n);
             const Vec3 wall_point = line[wall_at_end ? n - 1 : 0] + shift;
-            Vec3 tangent = wall_at_end ? shift : Vec3(-shift);
-            for (int i = 0; i < n; ++i) {
-              tangent += line_slopes[(wall_at_end ? 2 * LineLength::kPieces : 0) * n + i] * line[i];
-            }
+            const Vec3 tangent = (wall_at_end ? shift : Vec3(-shift)) + slope;
             const double upright = std::max(0.5, std::abs(tangent.normalized().dot(normal)));
             const double height = layers.first_height * (layers.relative ? around.radius(wall_point) : 1.0);
             bool shrunk = false;

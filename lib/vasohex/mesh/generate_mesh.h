@@ -10,10 +10,6 @@
 
 namespace vasohex {
 
-/// Wall nodes are moved from the blocks' wall onto the surface by so many local radii at most: further off is another
-/// sheet, or a dent that the blocks do not follow, and to go there would fold their elements.
-inline constexpr double kFurthestShift = 0.25;
-
 struct MeshOptions {
   int order = 1;
   NodeFamily family = NodeFamily::equispaced;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -16,17 +17,19 @@ namespace {
 
 constexpr int kPasses = 5;  // a node is moved by the elements around it, and these by their neighbours
 constexpr int kSweeps = 4;  // of smoothing
-constexpr int kSteps = 4;   // of relaxation: from the shifts to bilinear ones, from these to none, to a smooth wall
+constexpr int kSteps = 10;  // of relaxation: from the shifts to bilinear ones, from these to none, to a smooth wall
 static_assert(kRelaxReach == 2 * kPasses + kSweeps);
 constexpr double kEven = 0.05;     // shifts that differ by less than this part of an element's height
+constexpr double kUneven = 0.1;    // part of its edge that a node is off its even place
 constexpr double kWorthIt = 0.05;  // gain of the scaled Jacobian
 
 /// Shifts are relaxed in three stages: level 0 to 1 leads them to the bilinear ones, 1 to 2 these to nothing, 2 to 3
-/// to a wall smoother than that of the blocks.
+/// to a wall smoother than that of the blocks. Besides, nodes may be centred: moved along the wall to even parts of
+/// their edges.
 class WallRelaxer {
  public:
   WallRelaxer(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
-              std::vector<WallShift> shifts)
+              std::vector<WallShift> shifts, bool centres)
       : mesh_(mesh),
         numbering_(numbering),
         wall_face_(wall_face),
@@ -38,9 +41,14 @@ class WallRelaxer {
     for (std::size_t i = 0; i < shifts_.size(); ++i) {
       shift_of_[shifts_[i].node] = static_cast<int>(i);
     }
-    level_.assign(shifts_.size(), 0);
+    state_.assign(shifts_.size(), {});
     bilinear_.assign(shifts_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     for_faces([&](const Patch& b, int u, int v) { add_bilinear(face_nodes(b, u, v)); });
+    centring_.assign(shifts_.size(), Vec3::Zero());
+    uneven_.assign(shifts_.size(), 0);
+    if (centres && p_ > 1) {
+      for_faces([&](const Patch& b, int u, int v) { add_centring(face_nodes(b, u, v)); });
+    }
   }
 
   RelaxedWall run(const ImplicitSurface& surface, const Run& run) {
@@ -60,8 +68,9 @@ class WallRelaxer {
       for (const std::vector<Choice>& of_block : chosen) {
         for (const Choice& c : of_block) {
           for (const int n : c.nodes) {
-            if (c.level > level_[n]) {
-              level_[n] = c.level;
+            const State state = further(state_[n], c.state);
+            if (state.level > state_[n].level || state.centred > state_[n].centred) {
+              state_[n] = state;
               changed[n] = 1;
               any_changed = true;
             }
@@ -82,9 +91,17 @@ class WallRelaxer {
     int wall() const { return at_end ? size[d] - 1 : 0; }
     int id(int i, int u, int v) const { return ids[i * stride[d] + u * stride[d1] + v * stride[d2]]; }
   };
-  /// How far the nodes of one face are to be relaxed.
-  struct Choice {
+  /// How far a node is relaxed.
+  struct State {
     double level = 0;
+    bool centred = false;
+  };
+  static State further(const State& a, const State& b) {
+    return {std::max(a.level, b.level), a.centred || b.centred};
+  }
+  /// How far the nodes of one face are to be.
+  struct Choice {
+    State state;
     std::vector<int> nodes;  ///< indices of shifts
   };
 
@@ -151,6 +168,32 @@ class WallRelaxer {
     }
   }
 
+  /// Along the edges of a face, to where their nodes lie evenly: where the parameter of a block's edge almost stops,
+  /// an element of low order folds. Within the face, in between.
+  void add_centring(const std::vector<int>& nodes) {
+    const auto at = [&](int n) -> Vec3 { return mesh_.nodes[shifts_[n].node] - shifts_[n].shift + bilinear_[n]; };
+    const auto along_edge = [&](int first, int step) {
+      const Vec3 from = at(nodes[first]), chord = at(nodes[first + step * p_]) - from;
+      for (int i = 1; i < p_; ++i) {
+        const int n = nodes[first + step * i];
+        const double off = family_[i] - (at(n) - from).dot(chord) / chord.squaredNorm();
+        uneven_[n] = std::abs(off) > kUneven;
+        centring_[n] = uneven_[n] ? Vec3(off * chord) : Vec3::Zero();
+      }
+    };
+    along_edge(0, 1);
+    along_edge(line_ * p_, 1);
+    along_edge(0, line_);
+    along_edge(p_, line_);
+    for (int v = 1; v < p_; ++v) {
+      for (int u = 1; u < p_; ++u) {
+        const auto on = [&](int i, int j) -> const Vec3& { return centring_[nodes[i + line_ * j]]; };
+        const double s = family_[u], t = family_[v];
+        centring_[nodes[u + line_ * v]] = (1 - t) * on(u, 0) + t * on(u, p_) + (1 - s) * on(0, v) + s * on(p_, v);
+      }
+    }
+  }
+
   /// From the blocks' wall to a smoother one: Laplace sweeps of the elements' corners, bilinear in between. Rims
   /// stay.
   std::vector<Vec3> smoothing() const {
@@ -199,16 +242,17 @@ class WallRelaxer {
   }
 
   /// What is added to a wall node.
-  Vec3 move_of(int n, double level) const {
+  Vec3 move_of(int n, const State& state) const {
     const Vec3 &shift = shifts_[n].shift, &bilinear = bilinear_[n];
-    if (level <= 1) {
-      return level * (bilinear - shift);
+    const Vec3 along = state.centred ? centring_[n] : Vec3(Vec3::Zero());
+    if (state.level <= 1) {
+      return state.level * (bilinear - shift) + along;
     }
-    if (level <= 2) {
-      return (2 - level) * bilinear - shift;
+    if (state.level <= 2) {
+      return (2 - state.level) * bilinear - shift + along;
     }
     std::call_once(smoothed_, [&] { smoothing_ = smoothing(); });  // few meshes need it
-    return (level - 2) * smoothing_[n] - shift;
+    return (state.level - 2) * smoothing_[n] - shift + along;
   }
 
   /// Part of a wall node's move that node i of its line follows with.
@@ -217,11 +261,12 @@ class WallRelaxer {
   std::vector<Choice> choose(int block, const std::vector<char>& changed) const {
     std::vector<Choice> chosen;
     for_faces_of(patch(block), [&](const Patch& b, int u, int v) {
-      Choice c{0, face_nodes(b, u, v)};
+      Choice c{{}, face_nodes(b, u, v)};
       if (std::any_of(c.nodes.begin(), c.nodes.end(), [&](int n) { return changed[n] != 0; }) &&
-          !is_even(b, u, v, c.nodes)) {
-        c.level = level_for(b, u, v, c.nodes);
-        if (c.level > 0) {
+          (!is_even(b, u, v, c.nodes) ||
+           std::any_of(c.nodes.begin(), c.nodes.end(), [&](int n) { return uneven_[n]; }))) {
+        c.state = state_for(b, u, v, c.nodes);
+        if (c.state.level > 0 || c.state.centred) {
           chosen.push_back(std::move(c));
         }
       }
@@ -232,7 +277,7 @@ class WallRelaxer {
   /// The nodes of a face are moved alike: its elements keep their shape.
   bool is_even(const Patch& b, int u, int v, const std::vector<int>& nodes) const {
     double largest = 0, height2 = std::numeric_limits<double>::infinity();
-    const auto moved = [&](int n) -> Vec3 { return shifts_[n].shift + move_of(n, level_[n]); };
+    const auto moved = [&](int n) -> Vec3 { return shifts_[n].shift + move_of(n, state_[n]); };
     for (const int n : nodes) {
       largest = std::max(largest, (moved(n) - moved(nodes[0])).squaredNorm());
     }
@@ -246,15 +291,15 @@ class WallRelaxer {
     return largest < kEven * kEven * height2;
   }
 
-  /// Whether elements behind the faces around one would fold, or more so, with its nodes at `level`.
-  bool folds_others(const Patch& b, int u, int v, const std::vector<int>& nodes, double level) const {
+  /// Whether elements behind the faces around one would fold, or more so, with its nodes at `state`.
+  bool folds_others(const Patch& b, int u, int v, const std::vector<int>& nodes, const State& state) const {
     const auto raised = [&](int n) {
-      return std::find(nodes.begin(), nodes.end(), n) != nodes.end() ? std::max(level, level_[n]) : level_[n];
+      return std::find(nodes.begin(), nodes.end(), n) != nodes.end() ? further(state, state_[n]) : state_[n];
     };
     for (int v1 = std::max(0, v - p_); v1 <= v + p_ && v1 + p_ < b.size[b.d2]; v1 += p_) {
       for (int u1 = std::max(0, u - p_); u1 <= u + p_ && u1 + p_ < b.size[b.d1]; u1 += p_) {
         const Column beside = column_of(b, u1, v1, face_nodes(b, u1, v1));
-        if (quality_with(beside, raised).least() < std::min(0.0, quality(beside, 0).least())) {
+        if (quality_with(beside, raised).least() < std::min(0.0, quality(beside, {}).least())) {
           return true;
         }
       }
@@ -262,33 +307,42 @@ class WallRelaxer {
     return false;
   }
 
-  /// The least level that makes the elements behind the face good; 0 where nothing is won.
-  double level_for(const Patch& b, int u, int v, const std::vector<int>& nodes) const {
+  /// The least that makes the elements behind the face good; nothing where nothing is won.
+  State state_for(const Patch& b, int u, int v, const std::vector<int>& nodes) const {
     const Column column = column_of(b, u, v, nodes);
-    const Quality before = quality(column, 0);
-    double level = 0, best = before.curved;
-    if (before.curved < kWeakOnWall && p_ > 1) {
-      for (int step = 1; step <= kSteps && best < kWeakOnWall; ++step) {
-        const double at = static_cast<double>(step) / kSteps, now = quality(column, at).curved;
-        if (now >= std::min(kWeakOnWall, best + kWorthIt)) {
-          level = at;
-          best = now;
-        }
+    Quality now = quality(column, {});
+    State state;
+    const auto uneven = [&](int n) { return uneven_[n] != 0; };
+    if (now.curved < kWeakOnWall && std::any_of(nodes.begin(), nodes.end(), uneven)) {
+      const Quality then = quality(column, {0, true});
+      if (then.curved > now.curved + kWorthIt && !folds_others(b, u, v, nodes, {0, true})) {
+        state.centred = true;
+        now = then;
       }
     }
-    Quality now = level > 0 ? quality(column, level) : before;
+    if (now.curved < kWeakOnWall && p_ > 1) {
+      double best = now.curved;
+      for (int step = 1; step <= kSteps && best < kWeakOnWall; ++step) {
+        const double at = static_cast<double>(step) / kSteps, then = quality(column, {at, state.centred}).curved;
+        if (then >= std::min(kWeakOnWall, best + kWorthIt)) {
+          state.level = at;
+          best = then;
+        }
+      }
+      now = state.level > 0 ? quality(column, state) : now;
+    }
     for (int step = 1; step <= 2 * kSteps && now.least() < kFoldedOnWall; ++step) {
-      const double at = 1 + static_cast<double>(step) / kSteps;
-      if (at > 2 && folds_others(b, u, v, nodes, at)) {
+      const State at{1 + static_cast<double>(step) / kSteps, state.centred};
+      if (at.level > 2 && folds_others(b, u, v, nodes, at)) {
         break;
       }
       const Quality then = quality(column, at);
       if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt)) {
-        level = at;
+        state = at;
         now = then;
       }
     }
-    return level;
+    return state;
   }
 
   /// The elements between a face on the wall and the core; axes as in the block.
@@ -332,16 +386,16 @@ class WallRelaxer {
     double least() const { return std::min(curved, straight); }
   };
 
-  /// Of the worst element of a column whose wall nodes are at least at a level.
-  Quality quality(const Column& column, double level) const {
-    return quality_with(column, [&](int n) { return std::max(level, level_[n]); });
+  /// Of the worst element of a column whose wall nodes are relaxed at least so far.
+  Quality quality(const Column& column, const State& state) const {
+    return quality_with(column, [&](int n) { return further(state, state_[n]); });
   }
-  template <class LevelOf>
-  Quality quality_with(const Column& column, const LevelOf& level_of) const {
+  template <class StateOf>
+  Quality quality_with(const Column& column, const StateOf& state_of) const {
     std::vector<Vec3> nodes = column.nodes;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const int n = column.wall[k];
-      nodes[k] += column.follow[k] * move_of(n, level_of(n));
+      nodes[k] += column.follow[k] * move_of(n, state_of(n));
     }
     Run serial;
     serial.threads = 1;
@@ -353,7 +407,7 @@ class WallRelaxer {
   RelaxedWall move(const ImplicitSurface& surface) {
     RelaxedWall result;
     std::vector<char> done(shifts_.size(), 0);
-    if (std::none_of(level_.begin(), level_.end(), [](double level) { return level > 0; })) {
+    if (std::none_of(state_.begin(), state_.end(), [](const State& s) { return s.level > 0 || s.centred; })) {
       return result;
     }
     for (std::size_t block = 0; block < wall_face_.size(); ++block) {
@@ -364,7 +418,7 @@ class WallRelaxer {
       for (int v = 0; v < b.size[b.d2]; ++v) {
         for (int u = 0; u < b.size[b.d1]; ++u) {
           const int n = shift_of_[b.id(b.wall(), u, v)];
-          const Vec3 by = move_of(n, level_[n]);
+          const Vec3 by = move_of(n, state_[n]);
           if (by.isZero(0) || done[n]) {
             continue;
           }
@@ -392,7 +446,9 @@ class WallRelaxer {
   std::vector<WallShift> shifts_;
   std::vector<int> shift_of_;   ///< [nodes] index of the shift of a wall node, -1 of others
   std::vector<Vec3> bilinear_;  ///< [shifts] between those of the corners of their faces
-  std::vector<double> level_;   ///< [shifts]
+  std::vector<Vec3> centring_;  ///< [shifts] to even parts of the edges of their faces
+  std::vector<char> uneven_;    ///< [shifts] nodes of edges that this moves far
+  std::vector<State> state_;    ///< [shifts]
   mutable std::once_flag smoothed_;
   mutable std::vector<Vec3> smoothing_;  ///< [shifts] from the blocks' wall to a smoother one, once it is asked for
 };
@@ -401,7 +457,8 @@ class WallRelaxer {
 
 RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
                        std::vector<WallShift> shifts, const ImplicitSurface& surface, const Run& run) {
-  return WallRelaxer(mesh, numbering, wall_face, std::move(shifts)).run(surface, run);
+  // blocks of round vessels stay what grids refined from them in process are, too
+  return WallRelaxer(mesh, numbering, wall_face, std::move(shifts), !surface.is_round()).run(surface, run);
 }
 
 }  // namespace vasohex
