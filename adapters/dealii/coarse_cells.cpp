@@ -10,7 +10,6 @@
 #include "vasohex/mesh/wall_node.h"
 
 namespace vasohex {
-namespace {}  // namespace
 
 HexMesh block_mesh(const BlockStructure& blocks) {
   HexMesh mesh;

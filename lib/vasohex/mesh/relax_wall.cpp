@@ -45,7 +45,6 @@ class WallRelaxer {
     bilinear_.assign(shifts_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     for_faces([&](const Patch& b, int u, int v) { add_bilinear(face_nodes(b, u, v)); });
     centring_.assign(shifts_.size(), Vec3::Zero());
-    uneven_.assign(shifts_.size(), 0);
     if (centres && p_ > 1) {
       for_faces([&](const Patch& b, int u, int v) { add_centring(face_nodes(b, u, v)); });
     }
@@ -177,8 +176,7 @@ class WallRelaxer {
       for (int i = 1; i < p_; ++i) {
         const int n = nodes[first + step * i];
         const double off = family_[i] - (at(n) - from).dot(chord) / chord.squaredNorm();
-        uneven_[n] = std::abs(off) > kUneven;
-        centring_[n] = uneven_[n] ? Vec3(off * chord) : Vec3::Zero();
+        centring_[n] = std::abs(off) > kUneven ? Vec3(off * chord) : Vec3::Zero();
       }
     };
     along_edge(0, 1);
@@ -263,8 +261,7 @@ class WallRelaxer {
     for_faces_of(patch(block), [&](const Patch& b, int u, int v) {
       Choice c{{}, face_nodes(b, u, v)};
       if (std::any_of(c.nodes.begin(), c.nodes.end(), [&](int n) { return changed[n] != 0; }) &&
-          (!is_even(b, u, v, c.nodes) ||
-           std::any_of(c.nodes.begin(), c.nodes.end(), [&](int n) { return uneven_[n]; }))) {
+          (!is_even(b, u, v, c.nodes) || is_uneven(c.nodes))) {
         c.state = state_for(b, u, v, c.nodes);
         if (c.state.level > 0 || c.state.centred) {
           chosen.push_back(std::move(c));
@@ -291,6 +288,11 @@ class WallRelaxer {
     return largest < kEven * kEven * height2;
   }
 
+  /// Nodes of the face's edges are far from their even parts.
+  bool is_uneven(const std::vector<int>& nodes) const {
+    return std::any_of(nodes.begin(), nodes.end(), [&](int n) { return !centring_[n].isZero(0); });
+  }
+
   /// Whether elements behind the faces around one would fold, or more so, with its nodes at `state`.
   bool folds_others(const Patch& b, int u, int v, const std::vector<int>& nodes, const State& state) const {
     const auto raised = [&](int n) {
@@ -312,8 +314,7 @@ class WallRelaxer {
     const Column column = column_of(b, u, v, nodes);
     Quality now = quality(column, {});
     State state;
-    const auto uneven = [&](int n) { return uneven_[n] != 0; };
-    if (now.curved < kWeakOnWall && std::any_of(nodes.begin(), nodes.end(), uneven)) {
+    if (now.curved < kWeakOnWall && is_uneven(nodes)) {
       const Quality then = quality(column, {0, true});
       if (then.curved > now.curved + kWorthIt && !folds_others(b, u, v, nodes, {0, true})) {
         state.centred = true;
@@ -447,7 +448,6 @@ class WallRelaxer {
   std::vector<int> shift_of_;   ///< [nodes] index of the shift of a wall node, -1 of others
   std::vector<Vec3> bilinear_;  ///< [shifts] between those of the corners of their faces
   std::vector<Vec3> centring_;  ///< [shifts] to even parts of the edges of their faces
-  std::vector<char> uneven_;    ///< [shifts] nodes of edges that this moves far
   std::vector<State> state_;    ///< [shifts]
   mutable std::once_flag smoothed_;
   mutable std::vector<Vec3> smoothing_;  ///< [shifts] from the blocks' wall to a smoother one, once it is asked for

@@ -30,8 +30,7 @@ inline constexpr int kRelaxReach = 14;
 
 /// Elements that get scaled Jacobians below this where the wall is projected have their shifts made bilinear.
 inline constexpr double kWeakOnWall = 0.5;
-/// Those that stay below this, curved or straight-sided, are led back to their blocks' wall, and on to a smoother
-/// one.
+/// Those that stay below this, curved or straight-sided, are led back to their blocks' wall, and on to a smoother one.
 inline constexpr double kFoldedOnWall = 0.25;
 
 /// Where the surface has creases, or features smaller than an element, shifts of neighbouring nodes differ so much
@@ -42,8 +41,9 @@ inline constexpr double kFoldedOnWall = 0.25;
 /// face fade to nothing, again as far as it takes: the blocks are valid on their own. Where a spike bends the blocks'
 /// wall itself, its nodes are then led to a smoothed one. Before all that, except on round vessels, nodes of weak
 /// elements that lie more than a tenth of their edge off its even parts are moved there, where that is a gain. Same
-/// bytes for any number of threads. \param wall_face [blocks] face that is wall, or -1 \param shifts of all wall
-/// nodes
+/// bytes for any number of threads.
+/// \param wall_face [blocks] face that is wall, or -1
+/// \param shifts of all wall nodes
 RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
                        std::vector<WallShift> shifts, const ImplicitSurface& surface, const Run& run);
 

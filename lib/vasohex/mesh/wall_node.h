@@ -19,11 +19,12 @@ struct WallNode {
   bool converged = false;
 };
 
-/// The point of the surface that a node at `start` is moved to: of round vessels, which the blocks follow closely,
-/// the closest one; of others where the block's line from the core, continued, meets the surface, since closest
-/// points of the nodes around a spike or a bulge all lie at its foot; if it meets none near by, the closest one
-/// again. \param outward unit, direction of the line at the wall \param plane normal of the plane that the node stays
-/// in; null: none \param radius about the local one
+/// The point of the surface that a node at `start` is moved to: of round vessels, which the blocks follow closely, the
+/// closest one; of others where the block's line from the core, continued, meets the surface, since closest points of
+/// the nodes around a spike or a bulge all lie at its foot; if it meets none near by, the closest one again.
+/// \param outward unit, direction of the line at the wall
+/// \param plane normal of the plane that the node stays in; null: none
+/// \param radius about the local one
 WallNode onto_wall(const ImplicitSurface& surface, const Vec3& start, const Vec3& outward, const Vec3* plane,
                    double radius);
 
