@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Meshes every real lumen at orders 1, 2, 3 and writes docs/lumens.md.
 
-    docs/lumen_table.py VASOHEX [--data FOLDER] [--referee SCRIPT] [--elements N] [--tables surfaces,segmentations,..]
+    docs/lumen_table.py VASOHEX [--data FOLDER] [--referee SCRIPT] [--tables surfaces,segmentations,..]
                         [-o docs/lumens.md]
 
 VASOHEX is the program; FOLDER holds the lumens (default: $VASOHEX_DATA). SCRIPT is an independent checker of MSH files
@@ -41,13 +41,14 @@ class Tools:
         self.mesh_file, self.figures = os.path.join(folder, "lumen.msh"), os.path.join(folder, "lumen.json")
 
     def mesh(self, inputs, order, elements):
-        """The figures of a mesh, or the last line of the error."""
+        """The figures of a mesh, or the last line of the error. Elements: per block edge; None: by default."""
         for file in (self.mesh_file, self.figures):
             if os.path.exists(file):
                 os.remove(file)
+        division = ["-n", str(elements)] if elements else []
         with tempfile.TemporaryFile("w+") as said:
-            run = subprocess.Popen([self.program, "mesh", *inputs, "-o", self.mesh_file, "--order", str(order), "-n",
-                                    str(elements), "--json", self.figures], stdout=said, stderr=said)
+            run = subprocess.Popen([self.program, "mesh", *inputs, "-o", self.mesh_file, "--order", str(order),
+                                    *division, "--json", self.figures], stdout=said, stderr=said)
             _, status, used = os.wait4(run.pid, 0)
             run.returncode = os.waitstatus_to_exitcode(status)
             if run.returncode not in (0, 3):
@@ -69,8 +70,8 @@ def not_certified(figures):
     return figures["validity"]["invalid"] + figures["validity"]["undecided"]
 
 
-def lumen_row(tools, path, name, order, elements, failed):
-    j = tools.mesh([path], order, elements)
+def lumen_row(tools, path, name, order, failed):
+    j = tools.mesh([path], order, None)
     if isinstance(j, str):
         return f"| {name} | {order} | {j} |" + " |" * 8
     distance = tools.distances(path, ("wall_to_surface_mean", "surface_to_wall_p99"))
@@ -82,9 +83,9 @@ def lumen_row(tools, path, name, order, elements, failed):
             f"{j['seconds']['total']:.1f} |")
 
 
-def lumen_table(tools, data, elements):
-    lines = [f"Published surfaces, one command each, {elements} elements per block edge. Scaled Jacobians are ours; "
-             "distances (in mean radii) are an independent referee's, of the whole mesh's wall to the facets and of "
+def lumen_table(tools, data):
+    lines = ["Published surfaces, one command each, elements per block edge by default: 10 at order 1, 6 above. Scaled "
+             "Jacobians are ours; distances (in mean radii) are an independent referee's, of the whole mesh's wall to the facets and of "
              "the facets' points to the wall. Not reached: places of the wall further than .15 local radii from the "
              "mesh; `vasohex mesh` names them.", "",
              "| lumen | order | hexes | not certified | scaled Jacobian min | straight-sided min | "
@@ -93,7 +94,7 @@ def lumen_table(tools, data, elements):
     failed = []
     for lumen in LUMENS:
         for order in ORDERS:
-            lines.append(lumen_row(tools, os.path.join(data, lumen), lumen, order, elements, failed))
+            lines.append(lumen_row(tools, os.path.join(data, lumen), lumen, order, failed))
             print(lines[-1], flush=True)
     return lines + ["", "What is not certified:" if failed else "All are certified.", ""] + failed
 
@@ -185,7 +186,6 @@ def main():
     parser.add_argument("program")
     parser.add_argument("--data", default=os.environ.get("VASOHEX_DATA"))
     parser.add_argument("--referee", default=os.environ.get("VASOHEX_REFEREE"))
-    parser.add_argument("--elements", type=int, default=6)
     parser.add_argument("--tables", default=",".join(HEADINGS))
     parser.add_argument("-o", "--output", default=os.path.join(os.path.dirname(os.path.abspath(__file__)), "lumens.md"))
     a = parser.parse_args()
@@ -198,7 +198,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         tools = Tools(a.program, a.referee, folder)
         for name in asked:
-            sections[HEADINGS[name]] = (lumen_table(tools, a.data, a.elements) if name == "surfaces" else
+            sections[HEADINGS[name]] = (lumen_table(tools, a.data) if name == "surfaces" else
                                         segmentation_table(tools, a.data) if name == "segmentations" else
                                         synthaorta_table(tools, a.data, folder))
     lines = ["# Real lumens", "", "Written by `docs/lumen_table.py`.", ""]

@@ -163,6 +163,10 @@ void Input::add_repair(CLI::App& command, SkeletonMeshOptions& options) {
 
 bool Input::has_lumen() const { return kind_of(path) != Kind::skeleton || !surface.empty(); }
 
+bool Input::has_triangles() const {
+  return has_lumen() && kind_of(surface.empty() ? path : surface) == Kind::surface;
+}
+
 std::vector<std::string> Input::files() const {
   std::vector<std::string> all{path};
   for (const std::string& file : {skeleton, surface}) {

@@ -26,6 +26,8 @@ struct Input {
   static void add_repair(CLI::App& command, SkeletonMeshOptions& options);
   /// Whether there is a lumen, given as surface or labelmap. Throws Error (bad_input) for an unknown extension.
   bool has_lumen() const;
+  /// Whether that lumen is a surface of triangles. Throws as has_lumen does.
+  bool has_triangles() const;
   /// All files that are read.
   std::vector<std::string> files() const;
 };

@@ -24,11 +24,20 @@ struct MeshCommand {
   std::vector<std::string> outputs;
   SkeletonMeshOptions options;
   std::string nodes = "equispaced", json;
+  std::optional<int> elements;
   int layers = 0;
   std::optional<std::string> first_layer;
   std::optional<double> growth;
   std::vector<std::string> sheets;
 };
+
+/// Elements per block edge where nothing is said. Linear elements cut across the curves of a triangulated lumen as
+/// chords: with 6 of them the wall's mean distance is up to .008 radii, with 10 below .005 on all published surfaces.
+/// Voxels do not know their wall as well as that.
+int default_elements(const MeshCommand& c) {
+  const bool is_linear = c.options.mesh.order == 1;
+  return is_linear && c.input.has_triangles() ? 10 : c.options.grading.elements;
+}
 
 /// `0.02r`: relative to the local radius; `0.1`: in the mesh's unit.
 void read_first_layer(const std::string& text, WallLayers& layers) {
@@ -91,6 +100,7 @@ void run_mesh(MeshCommand& c, Common& common) {
   for (const std::string& s : c.sheets) {
     c.options.grading.requests.push_back(read_sheet(s));
   }
+  c.options.grading.elements = c.elements.value_or(default_elements(c));
   if (c.outputs.empty()) {
     usage("an output is needed: -o MESH.msh or -o MESH.vtu");
   }
@@ -273,9 +283,9 @@ void add_mesh_command(CLI::App& app, Common& common) {
   command->add_option("-p,--order", c->options.mesh.order, "Polynomial order")
       ->check(whole_number(1))
       ->capture_default_str();
-  command->add_option("-n,--elements", c->options.grading.elements, "Elements per block edge")
+  command->add_option("-n,--elements", c->elements, "Elements per block edge")
       ->check(whole_number(1))
-      ->capture_default_str();
+      ->default_str("6; linear ones in a triangulated lumen 10");
   command->add_option("--radial", c->options.grading.radial, "Elements from the core to the wall")
       ->check(whole_number(1));
   command->add_option("--axial", c->options.grading.axial, "Elements along each block of a vessel")
