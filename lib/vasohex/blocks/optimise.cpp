@@ -112,7 +112,7 @@ class Optimiser {
 
   /// Degree 2: the placed nodes, or those of 15 Laplace sweeps if their energy is lower. Returns the energy.
   double place() {
-    blocks_.keep_sides(false);
+    blocks_.keep_sides(!problem_.may_change_sides);
     blocks_.place();
     EnergyTerms terms = at_blocks(5);
     terms.epsilon = 0.1;

@@ -46,6 +46,9 @@ struct BlockProblem {
   std::vector<Aim> aims;
   std::vector<int> block_aim;  ///< [blocks]
   MeshDivision mesh;           ///< what solutions are judged by
+  /// While blocks are folded, their wall may move to the other side of a gap between vessels. That unfolds some, and
+  /// lays others through the gap onto the wall of the next vessel.
+  bool may_change_sides = false;
 };
 
 struct BlockSolution {

@@ -92,8 +92,7 @@ class PolynomialBlocks {
   /// Puts the nodes of the sections where their cross-sections are; those that slide too if `sliding`.
   void place_sections(bool sliding);
 
-  /// Whether the wall is taken to face where it did, on its own side of a gap between vessels. That of folded blocks
-  /// may have to change sides; from the start it is kept.
+  /// Whether the wall is taken to face where it did, on its own side of a gap between vessels; from the start it is.
   void keep_sides(bool keep) { keeps_sides_ = keep; }
 
   /// Wall nodes onto the wall's model by Newton's method, in the plane of a section that they slide in; remembers the

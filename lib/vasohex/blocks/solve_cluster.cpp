@@ -207,6 +207,7 @@ class Search {
     r.cluster = arrangement.cluster;
     r.assignments = arrangement.assignments;
     r.blocks = cluster_blocks(surface_, r.cluster, r.assignments);
+    r.blocks.problem.may_change_sides = may_change_sides_;
     ++tried_;
     if (patient) {
       r.solution = optimise_blocks(r.blocks.problem);
@@ -220,6 +221,15 @@ class Search {
     return least;
   }
 
+  /// All attempts from now on, those made before too, with walls that may change sides while folded.
+  void let_walls_change_sides() {
+    may_change_sides_ = true;
+    attempted_ = {};
+  }
+
+  /// Whether the best is one that is kept without more patience.
+  bool is_fair() const { return reached(kPatientBelow); }
+
   /// Other arrangements of a junction alone; while none is fair, up to `most_patient` of them to their end.
   void arrange_alone(const Cluster& cluster, int most_patient) {
     if (cluster.size() > 1 || is_good()) {
@@ -229,7 +239,7 @@ class Search {
         arrangements(surface_, {cluster, {{}}}, 0, kLongSearch * std::max(1, options_.candidates));
     attempt_all(all);
     const int most = std::min(static_cast<int>(all.size()), most_patient);
-    for (int i = 0; i < most && !reached(kPatientBelow); ++i) {
+    for (int i = 0; i < most && !is_fair(); ++i) {
       const std::optional<double> least = attempt(all[i], true);
       if (least && *least < kHopeless) {
         break;
@@ -239,7 +249,7 @@ class Search {
 
   /// Deeper trees of cubes for a junction alone of more arms than a cube takes, where the others fail.
   void arrange_deeper(const Cluster& cluster) {
-    if (cluster.size() > 1 || cluster.front().arms.size() <= kCubeArms || reached(kPatientBelow)) {
+    if (cluster.size() > 1 || cluster.front().arms.size() <= kCubeArms || is_fair()) {
       return;
     }
     attempt_all(deeper_arrangements(surface_, {cluster, {{}}}, 0, 2 * std::max(1, options_.candidates)));
@@ -330,6 +340,7 @@ class Search {
   std::array<std::set<std::vector<double>>, 2> attempted_;  ///< [patient] by key_of()
   std::vector<ClusterResult> found_;                        ///< the best first
   int tried_ = 0;
+  bool may_change_sides_ = false;
 };
 
 }  // namespace
@@ -337,12 +348,19 @@ class Search {
 ClusterResult solve_cluster(const ImplicitSurface& surface, const Cluster& cluster, const BlockOptions& options) {
   Search search(surface, options);
   const bool alone = cluster.size() == 1;
-  if (!alone || cluster.front().arms.size() <= kCubeArms) {
-    search.attempt(first_arrangement(surface, cluster), !alone);
+  const auto look = [&] {
+    if (!alone || cluster.front().arms.size() <= kCubeArms) {
+      search.attempt(first_arrangement(surface, cluster), !alone);
+    }
+    search.arrange_alone(cluster, std::clamp(options.candidates, 1, kMostPatient));
+    search.arrange_deeper(cluster);
+    search.rearrange_weakest(std::min(6, options.candidates));
+  };
+  look();
+  if (!search.is_fair()) {
+    search.let_walls_change_sides();
+    look();
   }
-  search.arrange_alone(cluster, std::clamp(options.candidates, 1, kMostPatient));
-  search.arrange_deeper(cluster);
-  search.rearrange_weakest(std::min(6, options.candidates));
   return search.result();
 }
 
