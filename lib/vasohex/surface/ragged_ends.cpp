@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -18,6 +19,9 @@ namespace {
 constexpr double kTurnBack = 0.2;       // radians
 constexpr double kTurnBackLeft = 0.02;  // the same of the new rim
 constexpr double kDeepest = 1;          // radii that an end is cut back
+constexpr double kBevelled = 0.9;       // steepness
+constexpr double kSteep = 0.97;         // the same of the new rim
+constexpr double kDeepestBevel = 0.25;  // radii
 constexpr int kDepths = 10;
 constexpr double kFurthest = 4;     // radii around the end that the cut may touch
 constexpr double kSnap = 0.2;       // of an edge: nearer to the cut plane than that a point is moved onto it
@@ -35,6 +39,29 @@ double turn_back(const TriSurface& surface, const std::vector<int>& rim, const S
     }
   }
   return std::abs(angle - 4 * std::numbers::pi) < 1 ? back : 2 * std::numbers::pi;
+}
+
+/// How steeply the wall meets the plane of a rim, on average: 1 if it comes straight out of the lumen, 0 within the
+/// plane.
+double steepness(const TriSurface& surface, const std::vector<int>& rim, const SurfaceEnd& end) {
+  std::vector<int> before(surface.points.size(), -1);  // along the rim; the wall's triangles run the other way
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    before[rim[(i + 1) % rim.size()]] = rim[i];
+  }
+  double sum = 0, length = 0;
+  for (int h = 0; h < 3 * static_cast<int>(surface.triangles.size()); ++h) {
+    const int a = start_point(surface, h), b = end_point(surface, h);
+    if (before[a] != b) {
+      continue;
+    }
+    const Vec3 along = surface.points[b] - surface.points[a];
+    const Vec3 out = along.cross(area_normal(surface, h / 3));
+    if (out.norm() > 0) {
+      sum += along.norm() * end.normal.dot(out.normalized());
+      length += along.norm();
+    }
+  }
+  return length > 0 ? sum / length : 0;
 }
 
 /// The wall without what lies beyond a plane around a rim.
@@ -183,32 +210,50 @@ class Cut {
   bool ok_ = false;
 };
 
+using IsGood = std::function<bool(const TriSurface& surface, const std::vector<int>& rim, const SurfaceEnd& end)>;
+
+/// Cuts an end back by up to `deepest` radii, as little as it takes for its rim to be good; how far, if any is.
+std::optional<double> cut_back(TriSurface& surface, const std::vector<int>& rim, const SurfaceEnd& end,
+                               double deepest, const IsGood& is_good) {
+  const std::vector<int> opposite = pair_half_edges(surface);
+  for (int i = 1; i <= kDepths; ++i) {
+    const double depth = deepest * i / kDepths * end.radius;
+    Cut cut(surface, opposite, rim, end, depth);
+    if (!cut.ok()) {
+      continue;
+    }
+    const SurfaceEnd now = rim_end(cut.surface(), cut.rim());
+    if (now.radius * now.radius > kLeastArea * end.radius * end.radius && now.normal.dot(end.normal) > 0 &&
+        is_good(cut.surface(), cut.rim(), now)) {
+      surface = std::move(cut.surface());
+      return depth;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 void cut_ragged_ends(TriSurface& surface, std::vector<std::string>& repairs) {
   for (const std::vector<int>& rim : open_rims(surface)) {
     const SurfaceEnd end = rim_end(surface, rim);
-    if (turn_back(surface, rim, end) < kTurnBack) {
-      continue;
-    }
-    const std::vector<int> opposite = pair_half_edges(surface);
-    std::string done = "it cannot be cut back by less than a radius, and stays";
-    for (int i = 1; i <= kDepths; ++i) {
-      const double depth = kDeepest * i / kDepths * end.radius;
-      Cut cut(surface, opposite, rim, end, depth);
-      if (!cut.ok()) {
-        continue;
-      }
-      const SurfaceEnd now = rim_end(cut.surface(), cut.rim());
-      if (now.radius * now.radius > kLeastArea * end.radius * end.radius && now.normal.dot(end.normal) > 0 &&
-          turn_back(cut.surface(), cut.rim(), now) < kTurnBackLeft) {
-        surface = std::move(cut.surface());
-        done = "cut back by " + short_text(depth);
-        break;
+    const std::string place = " end at " + short_text(end.centre) + ", radius " + short_text(end.radius) + ": ";
+    if (turn_back(surface, rim, end) > kTurnBack) {
+      const auto depth =
+          cut_back(surface, rim, end, kDeepest, [](const auto& cut, const auto& points, const auto& now) {
+            return turn_back(cut, points, now) < kTurnBackLeft;
+          });
+      repairs.push_back("ragged" + place + "its rim turns back; " +
+                        (depth ? "cut back by " + short_text(*depth)
+                               : std::string("it cannot be cut back by less than a radius, and stays")));
+    } else if (steepness(surface, rim, end) < kBevelled) {
+      const auto depth = cut_back(
+          surface, rim, end, kDeepestBevel,
+          [](const auto& cut, const auto& points, const auto& now) { return steepness(cut, points, now) > kSteep; });
+      if (depth) {
+        repairs.push_back("bevelled" + place + "cut back by " + short_text(*depth));
       }
     }
-    repairs.push_back("ragged end at " + short_text(end.centre) + ", radius " + short_text(end.radius) +
-                      ": its rim turns back; " + done);
   }
 }
 

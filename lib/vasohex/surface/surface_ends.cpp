@@ -74,7 +74,7 @@ constexpr std::size_t kFewest = 6;  // edges of an end or a cap
 constexpr double kSteep = 0.5;
 constexpr double kAlike = 0.9;      // cosine: triangles of one cap, against the first one's normal
 constexpr double kBulge = 0.15;     // of the radius: a cap that is a flat cone (with a point in the middle) counts
-constexpr double kOffPlane = 0.05;  // of the radius: a cap's rim
+constexpr double kOffPlane = 0.15;  // of the radius: a cap's rim, bevelled by a grid
 
 bool is_end(const TriSurface& surface, const std::vector<int>& rim) {
   const Disc disc = disc_of(surface, cap_order(surface, rim));
