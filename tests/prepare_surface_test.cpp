@@ -313,20 +313,23 @@ TEST(PrepareSurface, CutsRaggedEndsBack) {
 
 TEST(PrepareSurface, CutsBevelledEndsBack) {
   // A closed cylinder askew in a grid: the edges between its wall and its caps come out cut at an angle.
-  const Vec3 axis = Vec3(0.2, 0.1, 1).normalized();
-  const auto value = [&](const Vec3& x) {
-    const double z = axis.dot(x);
-    return std::max((x - z * axis).norm() - 1, std::abs(z) - 3);
-  };
-  const PreparedSurface p = prepare_surface(iso_surface(value, Vec3(-2.53, -2.71, -4.17), 0.125, {42, 44, 68}));
-  ASSERT_EQ(p.ends.size(), 2u) << listed(p);
-  EXPECT_TRUE(mentions(p, "bevelled end at")) << listed(p);
-  expect_manifold(p);
-  for (const SurfaceEnd& end : p.ends) {
-    EXPECT_GT(std::abs(end.normal.dot(axis)), std::cos(0.03));
-    EXPECT_NEAR(end.radius, 1, 0.02);
-    EXPECT_LT(std::abs(end.centre.dot(axis)), 3.01);
-    EXPECT_GT(std::abs(end.centre.dot(axis)), 2.7);
+  for (const Vec3& direction : {Vec3(0, 0, 1), Vec3(0.05, 0.1, 1), Vec3(0.2, 0.1, 1), Vec3(0.1, 0.3, 1),
+                                Vec3(-0.2, -0.2, 1), Vec3(0.3, 0.4, 1)}) {
+    const Vec3 axis = direction.normalized();
+    const auto value = [&](const Vec3& x) {
+      const double z = axis.dot(x);
+      return std::max((x - z * axis).norm() - 1, std::abs(z) - 3);
+    };
+    const PreparedSurface p = prepare_surface(iso_surface(value, Vec3(-2.53, -2.71, -4.17), 0.125, {42, 44, 68}));
+    ASSERT_EQ(p.ends.size(), 2u) << direction.transpose() << "\n" << listed(p);
+    EXPECT_TRUE(mentions(p, "bevelled end at")) << listed(p);
+    expect_manifold(p);
+    for (const SurfaceEnd& end : p.ends) {
+      EXPECT_GT(std::abs(end.normal.dot(axis)), std::cos(0.03));
+      EXPECT_NEAR(end.radius, 1, 0.02);
+      EXPECT_LT(std::abs(end.centre.dot(axis)), 3.01);
+      EXPECT_GT(std::abs(end.centre.dot(axis)), 2.7);
+    }
   }
 }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 #include "vasohex/core/short_text.h"
 #include "vasohex/surface/half_edges.h"
@@ -79,6 +81,59 @@ constexpr double kOffPlane = 0.15;  // of the radius: a cap's rim, bevelled by a
 bool is_end(const TriSurface& surface, const std::vector<int>& rim) {
   const Disc disc = disc_of(surface, cap_order(surface, rim));
   return rim.size() >= kFewest && disc.radius > 0 && steepness(surface, rim, disc.normal) > kSteep;
+}
+
+/// The longest of the loops that half-edges form, whose triangles remain if what lies on their other side goes.
+std::vector<int> longest_loop(std::vector<int> opposite, const std::vector<int>& half_edges) {
+  for (const int h : half_edges) {
+    opposite[h] = -1;
+  }
+  std::vector<char> seen(opposite.size(), 0);
+  std::vector<int> longest;
+  for (const int start : half_edges) {
+    std::vector<int> loop;
+    for (int h = start; !seen[h];) {
+      seen[h] = 1;
+      loop.push_back(h);
+      h = next_half_edge(h);  // around the point where h ends
+      while (opposite[h] >= 0) {
+        h = next_half_edge(opposite[h]);
+      }
+    }
+    if (loop.size() > longest.size()) {
+      longest = std::move(loop);
+    }
+  }
+  return longest;
+}
+
+/// The triangles that a region surrounds: reached from those half-edges of its outline that are not in its rim. None
+/// if they are more than `most`: the region then has several rims.
+std::vector<int> enclosed_triangles(const std::vector<int>& opposite, const std::vector<int>& outline,
+                                    const std::vector<int>& rim, const std::function<bool(int)>& in_region,
+                                    std::size_t most) {
+  const std::set<int> in_rim(rim.begin(), rim.end());
+  std::set<int> found;
+  std::vector<int> stack;
+  const auto reach = [&](int half_edge) {
+    const int t = half_edge / 3;
+    if (half_edge >= 0 && !in_region(t) && found.insert(t).second) {
+      stack.push_back(t);
+    }
+  };
+  for (const int h : outline) {
+    if (!in_rim.contains(h)) {
+      reach(h);
+    }
+  }
+  while (!stack.empty() && found.size() <= most) {
+    const int t = stack.back();
+    stack.pop_back();
+    for (int h = 3 * t; h < 3 * t + 3; ++h) {
+      reach(opposite[h]);
+    }
+  }
+  return found.size() <= most ? std::vector<int>(found.begin(), found.end()) : std::vector<int>();
 }
 
 }  // namespace
@@ -169,25 +224,21 @@ void drop_caps(TriSurface& surface, std::vector<std::string>& repairs) {
     if (!crease || fold < std::numbers::pi / 4 || steepness(surface, outline, n0) < kSteep) {
       continue;
     }
-    // one loop, round
-    std::vector<int> without(opposite);
-    for (const int h : outline) {
-      without[h] = -1;
+    // one loop around it, round; what lies within (slivers that a grid leaves in a cap askew) goes with it
+    const std::vector<int> loop = longest_loop(opposite, outline);
+    const std::vector<int> islands = enclosed_triangles(
+        opposite, outline, loop, [&](int t) { return region[t] == id; }, members.size() / 10);
+    if (islands.empty() && loop.size() != outline.size()) {
+      continue;
     }
-    std::vector<int> loop;
-    for (int h = outline[0];;) {
-      loop.push_back(h);
-      h = next_half_edge(h);
-      while (without[h] >= 0) {
-        h = next_half_edge(without[h]);
-      }
-      if (h == outline[0] || loop.size() > outline.size()) {
-        break;
-      }
+    for (const int t : islands) {
+      region[t] = id;
+      members.push_back(t);
+      known += area[t];
     }
     const Disc disc = disc_of(surface, cap_order(surface, loop));
     const double round = 4 * std::numbers::pi * known / (disc.perimeter * disc.perimeter);
-    if (loop.size() != outline.size() || round < 0.3 || disc.off_plane > kOffPlane * disc.radius) {
+    if (round < 0.3 || disc.off_plane > kOffPlane * disc.radius) {
       continue;
     }
     for (const int t : members) {
