@@ -237,22 +237,27 @@ std::optional<double> cut_back(TriSurface& surface, const std::vector<int>& rim,
 void cut_ragged_ends(TriSurface& surface, std::vector<std::string>& repairs) {
   for (const std::vector<int>& rim : open_rims(surface)) {
     const SurfaceEnd end = rim_end(surface, rim);
+    const bool ragged = turn_back(surface, rim, end) > kTurnBack;
+    if (!ragged && steepness(surface, rim, end) >= kBevelled) {
+      continue;
+    }
+    const IsGood turns_one_way = [](const auto& cut, const auto& points, const auto& now) {
+      return turn_back(cut, points, now) < kTurnBackLeft;
+    };
+    const IsGood is_straight = [&](const auto& cut, const auto& points, const auto& now) {
+      return turns_one_way(cut, points, now) && steepness(cut, points, now) > kSteep;
+    };
+    auto depth = cut_back(surface, rim, end, kDeepestBevel, is_straight);
+    if (!depth && ragged) {
+      depth = cut_back(surface, rim, end, kDeepest, turns_one_way);
+    }
+    const std::string done = depth ? "cut back by " + short_text(*depth) : std::string();
     const std::string place = " end at " + short_text(end.centre) + ", radius " + short_text(end.radius) + ": ";
-    if (turn_back(surface, rim, end) > kTurnBack) {
-      const auto depth =
-          cut_back(surface, rim, end, kDeepest, [](const auto& cut, const auto& points, const auto& now) {
-            return turn_back(cut, points, now) < kTurnBackLeft;
-          });
+    if (ragged) {
       repairs.push_back("ragged" + place + "its rim turns back; " +
-                        (depth ? "cut back by " + short_text(*depth)
-                               : std::string("it cannot be cut back by less than a radius, and stays")));
-    } else if (steepness(surface, rim, end) < kBevelled) {
-      const auto depth = cut_back(
-          surface, rim, end, kDeepestBevel,
-          [](const auto& cut, const auto& points, const auto& now) { return steepness(cut, points, now) > kSteep; });
-      if (depth) {
-        repairs.push_back("bevelled" + place + "cut back by " + short_text(*depth));
-      }
+                        (depth ? done : "it cannot be cut back by less than a radius, and stays"));
+    } else if (depth) {
+      repairs.push_back("bevelled" + place + done);
     }
   }
 }
