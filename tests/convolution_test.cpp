@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "vasohex/surface/cone_kernel.h"
+#include "vasohex/surface/cone_lanes_isa.h"
+#include "vasohex/surface/cone_tree.h"
 #include "vasohex/surface/project.h"
 
 namespace vasohex {
@@ -288,14 +289,48 @@ TEST(Convolution, CullingIsExact) {
 TEST(Convolution, TheCubatureOfAConeSegment) {
   const ConeSegment segment = cone_segment({0.1, 0.2, 0.3}, 1, {0.3, 0.4, 0.55}, 1.15, 0);
   const Vec3 x(0.9, 0.1, 0.4);
-  ConeSum sum;
-  ASSERT_TRUE(add_cone<true>(segment, x, sum));
+  const ConeTree tree({segment});
+  kernel::GroupSum sum;
+  tree.for_each_sum(x, [&](int, const kernel::GroupSum& found) { sum = found; });
   EXPECT_NEAR(sum.value, normal_field({{0.1, 0.2, 0.3}, {0.3, 0.4, 0.55}, 1, 1.15}, x), 1e-5 * sum.value);
   EXPECT_GT(sum.weighted_radius / sum.value, 1);
   EXPECT_LT(sum.weighted_radius / sum.value, 1.15);
-  ConeSum none;
-  EXPECT_FALSE(add_cone<true>(segment, {5, 5, 5}, none));
-  EXPECT_EQ(none.value, 0);
+  tree.for_each_sum({5, 5, 5}, [&](int, const kernel::GroupSum&) { ADD_FAILURE() << "out of reach"; });
+}
+
+TEST(Convolution, ConesAreTheSameForEveryInstructionSet) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> part(-1, 1);
+  kernel::ConeGroup group;
+  for (int i = 0; i < kernel::kCones; ++i) {
+    const Vec3 start(0.4 * i, 0.1 * part(random), 0.1 * part(random));
+    const ConeSegment segment = cone_segment(start, 1, start + Vec3(0.4, 0, 0.1), 1 + 0.2 * part(random), 0);
+    for (int d = 0; d < 3; ++d) {
+      group.start[d][i] = segment.start[d];
+      group.direction[d][i] = segment.direction[d];
+      group.curvature[d][i] = 0.1 * part(random);
+      group.end_normal[d][i] = d == 0;
+    }
+    group.length[i] = segment.length;
+    group.radius[i] = segment.radius;
+    group.slope[i] = segment.slope;
+    group.scale[i] = segment.scale;
+    group.end_offset[i] = 2.5;
+    group.inverse_fade[i] = i % 2 == 0 ? 4 : 0;
+  }
+  int reached = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 x(1.6 + 3 * part(random), 2 * part(random), 2 * part(random));
+    kernel::GroupSum best, plain;
+    const bool reaches = kernel::add_cones(group, x.data(), best);
+    EXPECT_EQ(reaches, kernel::baseline::add_cones(group, x.data(), plain));
+    EXPECT_EQ(best.value, plain.value);
+    EXPECT_EQ(best.weighted_radius, plain.weighted_radius);
+    EXPECT_TRUE(std::equal(best.gradient, best.gradient + 3, plain.gradient));
+    reached += reaches;
+  }
+  EXPECT_GT(reached, 50);
+  EXPECT_LT(reached, 190);
 }
 
 TEST(Convolution, GradientIsTheDerivative) {
@@ -453,7 +488,8 @@ TEST(Convolution, ArmsOfNearJunctionsPartInARoundedCrotch) {
   const Vec3 second(0.5, 0, 0), aside(0, 9, 0), ahead(5, 0, 0);
   const auto dumbbell = make_convolution_surface(network_of(
       {straight_branch(0, 1, {0, 0, 0}, second, 1, 1, 4), straight_branch(0, 2, {0, 0, 0}, aside - ahead, 1, 1),
-       straight_branch(0, 3, {0, 0, 0}, -aside - ahead, 1, 1), straight_branch(1, 4, second, second + aside + ahead, 1, 1),
+       straight_branch(0, 3, {0, 0, 0}, -aside - ahead, 1, 1),
+       straight_branch(1, 4, second, second + aside + ahead, 1, 1),
        straight_branch(1, 5, second, second - aside + ahead, 1, 1)}));
   EXPECT_LT(sharpest_turn(*dumbbell, {0.25, 0.5, 0}, 75, 105), 10);
 }
@@ -462,9 +498,9 @@ TEST(Convolution, NarrowForksPartInARoundedCrotch) {
   for (const double degrees : {5.0, 8.0, 12.0, 20.0}) {
     const double half = degrees / 2 * pi / 180, parting = 1 / std::sin(half), length = 2 * parting;
     const Vec3 up(length * std::cos(half), length * std::sin(half), 0), down(up.x(), -up.y(), 0);
-    const auto fork = make_convolution_surface(network_of({straight_branch(1, 0, {-8, 0, 0}, {0, 0, 0}, 1, 1),
-                                                           straight_branch(0, 2, {0, 0, 0}, up, 1, 1),
-                                                           straight_branch(0, 3, {0, 0, 0}, down, 1, 1)}));
+    const auto fork = make_convolution_surface(
+        network_of({straight_branch(1, 0, {-8, 0, 0}, {0, 0, 0}, 1, 1), straight_branch(0, 2, {0, 0, 0}, up, 1, 1),
+                    straight_branch(0, 3, {0, 0, 0}, down, 1, 1)}));
     // in the middle: where the tubes are .04 apart a crotch fills that; where they are .6 apart it is outside
     EXPECT_LT(fork->value({1.02 / std::tan(half), 0, 0}), 0) << degrees;
     EXPECT_GT(fork->value({1.3 / std::tan(half), 0, 0}), 0) << degrees;

@@ -417,24 +417,30 @@ std::vector<double> PolynomialBlocks::projection(const std::vector<Vec3>& shifts
     const Vec3* shift = &shifts[face * m * m];
     const int d = f / 2;
     const auto [du, dv] = hex_face_axes(f);
+    std::vector<double> part(samples, 0.0);  // of the way to the wall
+    for (int w = 0; w < samples; ++w) {
+      for (int i = 0; i < n; ++i) {
+        part[w] += tables.value[w * n + i] * (f % 2 == 1 ? nodes_1d_[i] : 1 - nodes_1d_[i]);
+      }
+    }
+    std::vector<Vec3> along(samples * m, Vec3::Zero()), slope(samples * m, Vec3::Zero());  // [m][samples]
+    for (int j = 0; j < m; ++j) {
+      for (int s = 0; s < samples; ++s) {
+        for (int i = 0; i < m; ++i) {
+          along[s + samples * j] += fine.value[s * m + i] * shift[i + m * j];
+          slope[s + samples * j] += fine.slope[s * m + i] * shift[i + m * j];
+        }
+      }
+    }
     for (int t = 0; t < samples; ++t) {
       for (int s = 0; s < samples; ++s) {
         Vec3 value = Vec3::Zero(), slope_u = Vec3::Zero(), slope_v = Vec3::Zero();
         for (int j = 0; j < m; ++j) {
-          Vec3 along = Vec3::Zero(), slope = Vec3::Zero();
-          for (int i = 0; i < m; ++i) {
-            along += fine.value[s * m + i] * shift[i + m * j];
-            slope += fine.slope[s * m + i] * shift[i + m * j];
-          }
-          value += fine.value[t * m + j] * along;
-          slope_u += fine.value[t * m + j] * slope;
-          slope_v += fine.slope[t * m + j] * along;
+          value += fine.value[t * m + j] * along[s + samples * j];
+          slope_u += fine.value[t * m + j] * slope[s + samples * j];
+          slope_v += fine.slope[t * m + j] * along[s + samples * j];
         }
         for (int w = 0; w < samples; ++w) {
-          double part = 0;  // of the way to the wall
-          for (int i = 0; i < n; ++i) {
-            part += tables.value[w * n + i] * (f % 2 == 1 ? nodes_1d_[i] : 1 - nodes_1d_[i]);
-          }
           std::array<int, 3> at{};
           at[d] = w;
           at[du] = s;
@@ -443,8 +449,8 @@ std::vector<double> PolynomialBlocks::projection(const std::vector<Vec3>& shifts
               &added[9 * (at[2] + samples * (at[1] + samples * (at[0] + static_cast<std::size_t>(samples) * b)))];
           for (int c = 0; c < 3; ++c) {
             out[3 * d + c] += (f % 2 == 1 ? 1 : -1) * value[c];
-            out[3 * du + c] += part * slope_u[c];
-            out[3 * dv + c] += part * slope_v[c];
+            out[3 * du + c] += part[w] * slope_u[c];
+            out[3 * dv + c] += part[w] * slope_v[c];
           }
         }
       }

@@ -9,9 +9,6 @@
 /// the outer one, and would shift and flatten the section. Compact polynomial kernels of skeletons: Zanni et al.,
 /// "SCALe-invariant Integral Surfaces" (2013).
 
-#include <algorithm>
-#include <cmath>
-
 #include "vasohex/core/vec3.h"
 
 namespace vasohex {
@@ -45,13 +42,6 @@ struct ConeSegment {
   double end_fade = 0;  ///< end_fade_radii times the radius at the end
 };
 
-/// What a segment, or a sum of segments, contributes at a point.
-struct ConeSum {
-  double value = 0;              ///< F
-  double weighted_radius = 0;    ///< the same integral with the integrand times r(t): / value = mean radius
-  Vec3 gradient = Vec3::Zero();  ///< of F
-};
-
 /// The factor in front of the integral of a segment of slope `slope`: smooth and even in the slope. Slopes beyond .6
 /// (the cone's reach becomes infinite at 1 / S) are scaled like .6.
 double cone_scale(double slope);
@@ -67,77 +57,5 @@ struct ConeNearest {
   Vec3 gradient = Vec3::Zero();  ///< of the ratio
 };
 ConeNearest cone_nearest(const ConeSegment& segment, const Vec3& x);
-
-/// Adds what `segment` contributes at x; false, and nothing added, when x is out of its reach. The gradient is
-/// computed only when `with_gradient`.
-template <bool with_gradient>
-inline bool add_cone(const ConeSegment& segment, const Vec3& x, ConeSum& sum) {
-  double present = 1, present_slope = 0;
-  if (segment.end_fade > 0) {
-    const double s = (segment.end_normal.dot(x) - segment.end_offset) / segment.end_fade;
-    if (s >= 1) {
-      return false;
-    }
-    if (s > 0) {
-      present = 1 - s * s * s * (10 + s * (6 * s - 15));
-      present_slope = -30 * s * s * (1 - s) * (1 - s) / segment.end_fade;
-    }
-  }
-  constexpr double reach2 = kernel_reach * kernel_reach;
-  const Vec3 w = x - segment.start;
-  const double length = segment.length, slope = segment.slope, radius = segment.radius;
-  const double p = w.dot(segment.direction);
-  // v (S r)^2 = c0 + 2 c1 t + c2 t^2. Where it is positive with r > 0, |x - c(t)| - S r(t) < 0: convex in t, so one
-  // interval, whatever the sign of c2.
-  const double c0 = reach2 * radius * radius - w.squaredNorm();
-  const double c1 = reach2 * radius * slope + p;
-  const double c2 = reach2 * slope * slope - 1;
-  const double at_end = c0 + (2 * c1 + c2 * length) * length;
-  double from = 0, to = length;
-  if (!(c0 > 0 && at_end > 0)) {
-    if (!(c0 > 0 || at_end > 0) && !(c2 < 0 && c1 > 0 && c1 + c2 * length < 0)) {
-      return false;
-    }
-    const double discriminant = c1 * c1 - c0 * c2;
-    if (!(discriminant > 0)) {
-      return false;
-    }
-    const double root = std::sqrt(discriminant);  // half the slope of the quadratic where it enters or leaves
-    if (!(c0 > 0)) {
-      from = c1 > 0 ? -c0 / (c1 + root) : (root - c1) / c2;
-    }
-    if (!(at_end > 0)) {
-      to = c1 < 0 ? c0 / (root - c1) : -(c1 + root) / c2;
-    }
-    from = std::clamp(from, 0.0, length);
-    to = std::clamp(to, 0.0, length);
-    if (!(to > from)) {
-      return false;
-    }
-  }
-  // Gauss-Legendre on [0, 1]; exact for degree 7, which slope 0 needs 6 of. The mirrored points side by side, as
-  // two-wide arithmetic has it.
-  const Eigen::Array4d node(0.06943184420297371, 0.93056815579702629, 0.33000947820757187, 0.66999052179242813);
-  const Eigen::Array4d weight(0.17392742256872693, 0.17392742256872693, 0.32607257743127307, 0.32607257743127307);
-  const double h = to - from;
-  const Eigen::Array4d t = from + h * node;
-  const Eigen::Array4d inverse = (radius + slope * t).inverse();
-  const Eigen::Array4d q = c0 + (2 * c1 + c2 * t) * t;
-  const Eigen::Array4d a = weight * (q * inverse * inverse * inverse).square();  // / r: integrand of the gradient
-  const Eigen::Array4d b = a * q;                                                // / r: that of F
-  const double value = (b * inverse).sum(), mean = b.sum();
-  const double bend = 1 - segment.curvature.dot(w);
-  const double scale = segment.scale * h * bend * present;
-  sum.value += scale * value;
-  sum.weighted_radius += scale * mean;
-  if constexpr (with_gradient) {
-    const Eigen::Array4d c = a * inverse;
-    const double all = c.sum(), along = (c * t).sum();
-    sum.gradient -=
-        6 * scale * (all * w - along * segment.direction) + (segment.scale * h * present * value) * segment.curvature;
-    sum.gradient += (segment.scale * h * bend * present_slope * value) * segment.end_normal;
-  }
-  return true;
-}
 
 }  // namespace vasohex

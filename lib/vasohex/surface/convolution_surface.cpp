@@ -68,16 +68,12 @@ class ConvolutionSurface::PieceSums {
   std::size_t count_ = 0;
 };
 
-template <bool with_gradient>
 ConvolutionSurface::PieceSums ConvolutionSurface::gather(const Vec3& x) const {
   PieceSums sums;
-  tree_.for_each_near(x, [&](const ConeSegment& segment) {
-    ConeSum sum;
-    if (add_cone<with_gradient>(segment, x, sum)) {
-      PieceSum& of_piece = sums.of(segment.piece);
-      of_piece.value += sum.value;
-      of_piece.gradient += sum.gradient;
-    }
+  tree_.for_each_sum(x, [&](int piece, const kernel::GroupSum& sum) {
+    PieceSum& of_piece = sums.of(piece);
+    of_piece.value += sum.value;
+    of_piece.gradient += Vec3::Map(sum.gradient);
   });
   return sums;
 }
@@ -101,7 +97,7 @@ void ConvolutionSurface::separate_siblings(std::span<const PieceSum> sums, int j
   if (blending_->joints[joint].size() < 2) {
     return;
   }
-  const ConeSum all{greatest.value + others.value, 0, greatest.gradient + others.gradient};
+  const ConeSum all{greatest.value + others.value, greatest.gradient + others.gradient};
   const auto in_joint = [&](const PieceSum& sum) {
     const std::vector<int>& joints = blending_->joints_of[sum.piece];
     return std::find(joints.begin(), joints.end(), joint) != joints.end();
@@ -153,7 +149,7 @@ ConeSum ConvolutionSurface::blended(std::span<const PieceSum> sums, int joint, c
 
 template <bool with_gradient>
 double ConvolutionSurface::evaluate(const Vec3& x, Vec3* gradient) const {
-  const PieceSums sums = gather<with_gradient>(x);
+  const PieceSums sums = gather(x);
   const std::span<const PieceSum> all = sums.all();
   ConeSum field;
   for (const PieceSum& sum : all) {
@@ -197,12 +193,9 @@ double ConvolutionSurface::value(const Vec3& x, Vec3& gradient) const { return e
 
 double ConvolutionSurface::radius(const Vec3& x) const {
   double field = 0, weighted = 0;
-  tree_.for_each_near(x, [&](const ConeSegment& segment) {
-    ConeSum sum;
-    if (add_cone<false>(segment, x, sum)) {
-      field += sum.value;
-      weighted += sum.weighted_radius;
-    }
+  tree_.for_each_sum(x, [&](int, const kernel::GroupSum& sum) {
+    field += sum.value;
+    weighted += sum.weighted_radius;
   });
   return field > no_field ? weighted / field : tree_.nearest(x).radius;
 }
@@ -217,7 +210,7 @@ std::shared_ptr<const ImplicitSurface> ConvolutionSurface::part(const std::vecto
 }
 
 double ConvolutionSurface::value_of_piece(int piece, const Vec3& x, Vec3& gradient) const {
-  const PieceSums sums = gather<true>(x);
+  const PieceSums sums = gather(x);
   ConeSum field;
   for (const PieceSum& sum : sums.all()) {
     if (sum.piece == piece) {

@@ -13,6 +13,12 @@
 
 namespace vasohex {
 
+/// What one piece, or a blend of pieces, contributes at a point.
+struct ConeSum {
+  double value = 0;              ///< F
+  Vec3 gradient = Vec3::Zero();  ///< of F
+};
+
 /// See make_convolution_surface.
 class ConvolutionSurface final : public ImplicitSurface {
  public:
@@ -35,7 +41,6 @@ class ConvolutionSurface final : public ImplicitSurface {
   };
   class PieceSums;
 
-  template <bool with_gradient>
   PieceSums gather(const Vec3& x) const;
   bool is_greatest_of(std::span<const PieceSum> sums, std::size_t i, int joint) const;
   void separate_siblings(std::span<const PieceSum> sums, int joint, const ConeSum& greatest, const Vec3& x,
