@@ -6,7 +6,7 @@
 namespace vasohex::kernel::VASOHEX_ISA {
 namespace {
 
-constexpr int kSums = 8;
+constexpr int kSums = kGroup;
 #if defined(__AVX512F__)
 constexpr int kLanes = 8;
 #elif defined(__AVX__)
@@ -40,11 +40,9 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
     Lanes& energy = energies[first % kSums / kLanes];
     Lanes weight, inverse[3], X[3][N3], G[3][N3];
     const int* ids[kLanes];
-    int block[kLanes];
     for (int l = 0; l < kLanes; ++l) {
       // the last group is filled up with copies of the last block, which count nothing
       const int b = first + l < in.blocks ? first + l : in.blocks - 1;
-      block[l] = b;
       ids[l] = in.ids + (long)b * N3;
       weight[l] = first + l < in.blocks ? sample_weight : 0.0;
       for (int d = 0; d < 3; ++d) {
@@ -113,13 +111,13 @@ DistortionOutput distortion_of(const DistortionInput& in, double* gradient) {
             T[2][d] = u;
           }
           if (in.added) {
-            const long at = 9 * (c + samples * (b + (long)samples * a));
-            for (int l = 0; l < kLanes; ++l) {
-              const double* added = in.added + 9 * (long)block[l] * samples * samples * samples + at;
-              for (int p = 0; p < 3; ++p) {
-                for (int d = 0; d < 3; ++d) {
-                  T[p][d][l] += added[3 * p + d] * inverse[p][l];
-                }
+            const long sample = c + samples * (b + samples * (a + (long)samples * (first / kGroup)));
+            const double* added = in.added + 9 * kGroup * sample + first % kGroup;
+            for (int p = 0; p < 3; ++p) {
+              for (int d = 0; d < 3; ++d) {
+                Lanes more;
+                __builtin_memcpy(&more, added + kGroup * (3 * p + d), sizeof more);
+                T[p][d] += more * inverse[p];
               }
             }
           }

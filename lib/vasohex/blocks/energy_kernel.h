@@ -6,6 +6,7 @@
 namespace vasohex::kernel {
 
 inline constexpr int kMostSamples = 16;  ///< per direction
+inline constexpr int kGroup = 8;         ///< blocks whose `added` lie side by side
 
 struct DistortionInput {
   int degree = 2;                 ///< of the blocks, 2, 3 or 4: degree + 1 nodes per direction
@@ -16,12 +17,14 @@ struct DistortionInput {
   const int* ids = nullptr;                ///< [blocks][(degree + 1)^3] node of each lattice point, i fastest
   const double* nodes = nullptr;           ///< [nodes][3]
   const double* inverse_length = nullptr;  ///< [blocks][3] 1 / target length per direction
-  const double* added = nullptr;  ///< [blocks][samples^3][direction][xyz] added to J, k fastest; null: nothing
-  double shape_weight = 1;        ///< w_mu
-  double jacobian_weight = 0;     ///< w_s
-  double epsilon = 1e-3;          ///< of chi, which keeps folded blocks finite
-  double jacobian_goal = 0.5;     ///< s0
-  int power = 8;                  ///< P: 8 or 16
+  /// [ceil(blocks / kGroup)][samples^3][direction][xyz][kGroup] added to J, samples k fastest; beyond the last block
+  /// copies of its own. Null: nothing.
+  const double* added = nullptr;
+  double shape_weight = 1;     ///< w_mu
+  double jacobian_weight = 0;  ///< w_s
+  double epsilon = 1e-3;       ///< of chi, which keeps folded blocks finite
+  double jacobian_goal = 0.5;  ///< s0
+  int power = 8;               ///< P: 8 or 16
 };
 
 struct DistortionOutput {

@@ -411,7 +411,10 @@ std::vector<double> PolynomialBlocks::projection(const std::vector<Vec3>& shifts
                                                  const SampleTables& fine) const {
   const int n = degree_ + 1, samples = tables.samples;
   constexpr int m = kProjectionDegree + 1;
-  std::vector<double> added(static_cast<std::size_t>(9) * block_count() * samples * samples * samples, 0.0);
+  constexpr int kGroup = kernel::kGroup;
+  const std::size_t cube = static_cast<std::size_t>(samples) * samples * samples;
+  const std::size_t groups = (block_count() + kGroup - 1) / kGroup;
+  std::vector<double> added(groups * cube * 9 * kGroup, 0.0);
   for (std::size_t face = 0; face < wall_faces_.size(); ++face) {
     const auto [b, f] = wall_faces_[face];
     const Vec3* shift = &shifts[face * m * m];
@@ -446,15 +449,19 @@ std::vector<double> PolynomialBlocks::projection(const std::vector<Vec3>& shifts
           at[du] = s;
           at[dv] = t;
           double* out =
-              &added[9 * (at[2] + samples * (at[1] + samples * (at[0] + static_cast<std::size_t>(samples) * b)))];
+              &added[9 * kGroup * (at[2] + samples * (at[1] + samples * at[0]) + cube * (b / kGroup)) + b % kGroup];
           for (int c = 0; c < 3; ++c) {
-            out[3 * d + c] += (f % 2 == 1 ? 1 : -1) * value[c];
-            out[3 * du + c] += part[w] * slope_u[c];
-            out[3 * dv + c] += part[w] * slope_v[c];
+            out[kGroup * (3 * d + c)] += (f % 2 == 1 ? 1 : -1) * value[c];
+            out[kGroup * (3 * du + c)] += part[w] * slope_u[c];
+            out[kGroup * (3 * dv + c)] += part[w] * slope_v[c];
           }
         }
       }
     }
+  }
+  const int last = block_count() - 1;
+  for (std::size_t i = cube * 9 * (last / kGroup); i < cube * 9 * groups; ++i) {
+    std::fill(&added[i * kGroup] + last % kGroup + 1, &added[i * kGroup] + kGroup, added[i * kGroup + last % kGroup]);
   }
   return added;
 }

@@ -180,8 +180,8 @@ class PolynomialBlocks {
     }
   }
 
-  /// What shifts of the wall add to dx/du at samples: [blocks][samples^3][direction][xyz], k fastest. `fine`: the
-  /// samples from the nodes of the shifts.
+  /// What shifts of the wall add to dx/du at samples, as kernel::DistortionInput::added. `fine`: the samples from the
+  /// nodes of the shifts.
   std::vector<double> projection(const std::vector<Vec3>& shifts, const SampleTables& tables,
                                  const SampleTables& fine) const;
 
