@@ -24,6 +24,8 @@ LUMENS = ["s01_aorta_iliac_vmr0110/demo.vtp", "s01_aorta_iliac_vmr0110/seqseg_6_
           "s11_six_branch_junction/bifurcation_Y.stl", "s11_six_branch_junction/SixBranch.stl",
           "s12_aortic_arch_gmsh/aorta2.stl"]
 ORDERS = (1, 2, 3)
+STAIRCASES = ("s02_carotid_stenosis/lumen.stl", "s02_carotid_stenosis/leftlumen_capped.stl")
+STAIRCASE_ELEMENTS = 14
 SEGMENTATIONS = ["s09_pulmonary_PA000016/PA000016.nii.gz", "s10_pulmonary_trunk_seg/pulmonary_artery.nii.gz",
                  "s15_brain_mra_seg_2/Subject0002-MRA.nii.gz"]
 SEGMENTATION_ELEMENTS = 2
@@ -70,8 +72,9 @@ def not_certified(figures):
     return figures["validity"]["invalid"] + figures["validity"]["undecided"]
 
 
-def lumen_row(tools, path, name, order, failed):
-    j = tools.mesh([path], order, None)
+def lumen_row(tools, path, name, order, failed, elements=None):
+    j = tools.mesh([path], order, elements)
+    name += f", {elements} elements" if elements else ""
     if isinstance(j, str):
         return f"| {name} | {order} | {j} |" + " |" * 8
     distance = tools.distances(path, ("wall_to_surface_mean", "surface_to_wall_p99"))
@@ -87,7 +90,8 @@ def lumen_table(tools, data):
     lines = ["Published surfaces, one command each, elements per block edge by default: 10 at order 1, 6 above. Scaled "
              "Jacobians are ours; distances (in mean radii) are an independent referee's, of the whole mesh's wall to the facets and of "
              "the facets' points to the wall. Not reached: places of the wall further than .15 local radii from the "
-             "mesh; `vasohex mesh` names them.", "",
+             "mesh; `vasohex mesh` names them. The carotid (s02) is a staircase of voxels: there linear elements come "
+             f"as near as curved ones when they are smaller, {STAIRCASE_ELEMENTS} per block edge.", "",
              "| lumen | order | hexes | not certified | scaled Jacobian min | straight-sided min | "
              "mean | wall to surface, mean | surface to wall, 99 % | not reached | seconds |",
              "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
@@ -96,6 +100,9 @@ def lumen_table(tools, data):
         for order in ORDERS:
             lines.append(lumen_row(tools, os.path.join(data, lumen), lumen, order, failed))
             print(lines[-1], flush=True)
+            if order == 1 and lumen in STAIRCASES:
+                lines.append(lumen_row(tools, os.path.join(data, lumen), lumen, order, failed, STAIRCASE_ELEMENTS))
+                print(lines[-1], flush=True)
     return lines + ["", "What is not certified:" if failed else "All are certified.", ""] + failed
 
 

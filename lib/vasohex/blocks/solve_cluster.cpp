@@ -18,6 +18,10 @@ namespace {
 /// three times as many.
 constexpr double kFairJacobian = 0.5;
 constexpr int kLongSearch = 3;
+/// Placing arrangements, to tell which are promising, takes longer than some attempts: this many first, the best of
+/// which are attempted before all are placed.
+constexpr int kFewPlaced = 5;
+constexpr int kFewAttempts = 2;
 /// Below this so many arrangements are not given up before their end,
 constexpr double kPatientBelow = 0.4;
 constexpr int kMostPatient = 3;
@@ -104,9 +108,8 @@ std::vector<Arrangement> divided(const Arrangement& a, int h) {
 }
 
 /// Arrangements of hub `h`, as one cube, a tree of cubes or one cube with a hub that is near, with the other hubs as
-/// they are; the most promising first, at least one.
-std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
-                                      std::size_t count) {
+/// they are; by how folded they are with straight edges, at least one.
+std::vector<Arrangement> straight_arrangements(const ImplicitSurface& surface, const Arrangement& now, int h) {
   // with more branches there are more ways to go wrong
   const std::size_t first_choice = now.cluster[h].arms.size() > kCubeArms ? 64 : 20;
   std::vector<Arrangement> all;
@@ -149,6 +152,13 @@ std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arra
     throw Error(ErrorCode::internal, "a junction of more than 6 branches could not be divided among cubes");
   }
   keep_best(all, first_choice);
+  return all;
+}
+
+/// The `count` most promising of them, those first.
+std::vector<Arrangement> arrangements(const ImplicitSurface& surface, const Arrangement& now, int h,
+                                      std::size_t count) {
+  std::vector<Arrangement> all = straight_arrangements(surface, now, h);
   keep_best_placed(surface, all, count);
   return all;
 }
@@ -235,8 +245,14 @@ class Search {
     if (cluster.size() > 1 || is_good()) {
       return;
     }
-    const std::vector<Arrangement> all =
-        arrangements(surface_, {cluster, {{}}}, 0, kLongSearch * std::max(1, options_.candidates));
+    std::vector<Arrangement> all = straight_arrangements(surface_, {cluster, {{}}}, 0);
+    std::vector<Arrangement> few(all.begin(), all.begin() + std::min<std::ptrdiff_t>(all.size(), kFewPlaced));
+    keep_best_placed(surface_, few, kFewAttempts);
+    attempt_all(few);
+    if (is_good()) {
+      return;
+    }
+    keep_best_placed(surface_, all, kLongSearch * std::max(1, options_.candidates));
     attempt_all(all);
     const int most = std::min(static_cast<int>(all.size()), most_patient);
     for (int i = 0; i < most && !is_fair(); ++i) {

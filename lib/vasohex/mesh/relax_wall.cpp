@@ -104,6 +104,12 @@ class WallRelaxer {
     std::vector<int> nodes;  ///< indices of shifts
   };
 
+  /// Least scaled Jacobians of some elements.
+  struct Quality {
+    double curved = 1, straight = 1;
+    double least() const { return std::min(curved, straight); }
+  };
+
   Patch patch(int block) const {
     Patch out;
     const int face = wall_face_[block];
@@ -293,15 +299,20 @@ class WallRelaxer {
     return std::any_of(nodes.begin(), nodes.end(), [&](int n) { return !centring_[n].isZero(0); });
   }
 
-  /// Whether elements behind the faces around one would fold, or more so, with its nodes at `state`.
-  bool folds_others(const Patch& b, int u, int v, const std::vector<int>& nodes, const State& state) const {
+  /// Whether elements behind the faces around one, which is as good as `now`, would with its nodes at `state` be
+  /// worse than they are and than this one is: weak, or folded if this one is worse than weak.
+  bool harms_others(const Patch& b, int u, int v, const std::vector<int>& nodes, const Quality& now,
+                    const State& state) const {
+    const double curved = std::clamp(now.curved, 0.0, kWeakOnWall);
+    const double straight = std::clamp(now.straight, 0.0, kFoldedOnWall);
     const auto raised = [&](int n) {
       return std::find(nodes.begin(), nodes.end(), n) != nodes.end() ? further(state, state_[n]) : state_[n];
     };
     for (int v1 = std::max(0, v - p_); v1 <= v + p_ && v1 + p_ < b.size[b.d2]; v1 += p_) {
       for (int u1 = std::max(0, u - p_); u1 <= u + p_ && u1 + p_ < b.size[b.d1]; u1 += p_) {
         const Column beside = column_of(b, u1, v1, face_nodes(b, u1, v1));
-        if (quality_with(beside, raised).least() < std::min(0.0, quality(beside, {}).least())) {
+        const Quality before = quality(beside, {}), after = quality_with(beside, raised);
+        if (after.curved < std::min(curved, before.curved) || after.straight < std::min(straight, before.straight)) {
           return true;
         }
       }
@@ -316,7 +327,7 @@ class WallRelaxer {
     State state;
     if (now.curved < kWeakOnWall && is_uneven(nodes)) {
       const Quality then = quality(column, {0, true});
-      if (then.curved > now.curved + kWorthIt && !folds_others(b, u, v, nodes, {0, true})) {
+      if (then.curved > now.curved + kWorthIt && !harms_others(b, u, v, nodes, now, {0, true})) {
         state.centred = true;
         now = then;
       }
@@ -334,11 +345,8 @@ class WallRelaxer {
     }
     for (int step = 1; step <= 2 * kSteps && now.least() < kFoldedOnWall; ++step) {
       const State at{1 + static_cast<double>(step) / kSteps, state.centred};
-      if (at.level > 2 && folds_others(b, u, v, nodes, at)) {
-        break;
-      }
       const Quality then = quality(column, at);
-      if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt)) {
+      if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt) && !harms_others(b, u, v, nodes, now, at)) {
         state = at;
         now = then;
       }
@@ -381,11 +389,6 @@ class WallRelaxer {
     }
     return column;
   }
-
-  struct Quality {
-    double curved = 1, straight = 1;
-    double least() const { return std::min(curved, straight); }
-  };
 
   /// Of the worst element of a column whose wall nodes are relaxed at least so far.
   Quality quality(const Column& column, const State& state) const {
