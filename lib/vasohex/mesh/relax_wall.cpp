@@ -346,7 +346,10 @@ class WallRelaxer {
     for (int step = 1; step <= 2 * kSteps && now.least() < kFoldedOnWall; ++step) {
       const State at{1 + static_cast<double>(step) / kSteps, state.centred};
       const Quality then = quality(column, at);
-      if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt) && !harms_others(b, u, v, nodes, now, at)) {
+      // what folds elements beside may unfold with them, on the way back to the blocks' wall
+      const bool may_harm = now.curved <= 0 && at.level <= 2;
+      if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt) &&
+          (may_harm || !harms_others(b, u, v, nodes, now, at))) {
         state = at;
         now = then;
       }
