@@ -6,10 +6,12 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <random>
 
 #include "errors.h"
 #include "iso_surface.h"
 #include "vasohex/core/disjoint_sets.h"
+#include "vasohex/skeleton/point_tree.h"
 #include "vasohex/skeleton/read_skeleton.h"
 #include "vasohex/skeleton/write_skeleton.h"
 #include "vasohex/surface/prepare_surface.h"
@@ -457,6 +459,42 @@ TEST_F(WriteSkeleton, SwcHoldsTrees) {
   write_skeleton(path("ring.json"), ring);
   EXPECT_EQ(count_cycles(read_skeleton(path("ring.json"))), 1);
   std::filesystem::remove(path("ring.json"));
+}
+
+TEST(PointTree, FindsWhatLookingAtEveryPointFinds) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> part(-1, 1);
+  const auto anywhere = [&] { return Vec3(part(random), part(random), part(random)); };
+  for (const int count : {0, 1, 8, 9, 500}) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < count; ++i) {
+      points.push_back(i % 7 == 6 ? points[i - 3] : anywhere());  // some twice
+    }
+    const PointTree tree(points);
+    for (int query = 0; query < 100; ++query) {
+      const Vec3 x = query % 2 == 0 || points.empty() ? anywhere() : points[query % count];
+      const double radius = std::abs(part(random));
+      const int skip = query % 3 == 0 ? query % 50 : -1;
+      std::vector<int> near, found;
+      double least = radius;
+      for (int i = 0; i < count; ++i) {
+        const double distance = (points[i] - x).norm();
+        if (distance <= radius) {
+          near.push_back(i);
+        }
+        least = i == skip ? least : std::min(least, distance);
+      }
+      const int nearest = tree.nearest(x, skip, radius);
+      ASSERT_EQ(nearest >= 0, least < radius);
+      ASSERT_NE(nearest, skip < 0 ? count : skip);
+      if (nearest >= 0) {
+        EXPECT_DOUBLE_EQ((points[nearest] - x).norm(), least);
+      }
+      tree.within(x, radius, [&](int i) { found.push_back(i); });
+      std::sort(found.begin(), found.end());
+      EXPECT_EQ(found, near);
+    }
+  }
 }
 
 }  // namespace
