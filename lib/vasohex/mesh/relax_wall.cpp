@@ -299,25 +299,26 @@ class WallRelaxer {
     return std::any_of(nodes.begin(), nodes.end(), [&](int n) { return !centring_[n].isZero(0); });
   }
 
-  /// Whether elements behind the faces around one, which is as good as `now`, would with its nodes at `state` be
-  /// worse than they are and than this one is: weak, or folded if this one is worse than weak.
-  bool harms_others(const Patch& b, int u, int v, const std::vector<int>& nodes, const Quality& now,
-                    const State& state) const {
-    const double curved = std::clamp(now.curved, 0.0, kWeakOnWall);
-    const double straight = std::clamp(now.straight, 0.0, kFoldedOnWall);
+  /// Whether harms(before, after) holds for the qualities of elements behind a face around one, with its nodes at
+  /// `state`.
+  template <class Harms>
+  bool harms_others(const Patch& b, int u, int v, const std::vector<int>& nodes, const State& state,
+                    const Harms& harms) const {
     const auto raised = [&](int n) {
       return std::find(nodes.begin(), nodes.end(), n) != nodes.end() ? further(state, state_[n]) : state_[n];
     };
     for (int v1 = std::max(0, v - p_); v1 <= v + p_ && v1 + p_ < b.size[b.d2]; v1 += p_) {
       for (int u1 = std::max(0, u - p_); u1 <= u + p_ && u1 + p_ < b.size[b.d1]; u1 += p_) {
         const Column beside = column_of(b, u1, v1, face_nodes(b, u1, v1));
-        const Quality before = quality(beside, {}), after = quality_with(beside, raised);
-        if (after.curved < std::min(curved, before.curved) || after.straight < std::min(straight, before.straight)) {
+        if (harms(quality(beside, {}), quality_with(beside, raised))) {
           return true;
         }
       }
     }
     return false;
+  }
+  static bool folds(const Quality& before, const Quality& after) {
+    return after.least() < std::min(0.0, before.least());
   }
 
   /// The least that makes the elements behind the face good; nothing where nothing is won.
@@ -327,7 +328,7 @@ class WallRelaxer {
     State state;
     if (now.curved < kWeakOnWall && is_uneven(nodes)) {
       const Quality then = quality(column, {0, true});
-      if (then.curved > now.curved + kWorthIt && !harms_others(b, u, v, nodes, now, {0, true})) {
+      if (then.curved > now.curved + kWorthIt && !harms_others(b, u, v, nodes, {0, true}, folds)) {
         state.centred = true;
         now = then;
       }
@@ -343,13 +344,19 @@ class WallRelaxer {
       }
       now = state.level > 0 ? quality(column, state) : now;
     }
+    const bool only_straight = now.curved >= kWeakOnWall;
     for (int step = 1; step <= 2 * kSteps && now.least() < kFoldedOnWall; ++step) {
       const State at{1 + static_cast<double>(step) / kSteps, state.centred};
+      if (at.level > 2 && harms_others(b, u, v, nodes, at, folds)) {
+        break;
+      }
       const Quality then = quality(column, at);
-      // what folds elements beside may unfold with them, on the way back to the blocks' wall
-      const bool may_harm = now.curved <= 0 && at.level <= 2;
+      const double gain = then.least() - now.least();
+      const auto weakens = [&](const Quality& before, const Quality& after) {
+        return after.curved < std::min(kWeakOnWall, before.curved) - gain;
+      };
       if (then.least() >= std::min(kFoldedOnWall, now.least() + kWorthIt) &&
-          (may_harm || !harms_others(b, u, v, nodes, now, at))) {
+          !(only_straight && harms_others(b, u, v, nodes, at, weakens))) {
         state = at;
         now = then;
       }

@@ -40,9 +40,9 @@ inline constexpr double kFoldedOnWall = 0.25;
 /// that leaves it below kFoldedOnWall, since the corners themselves were shifted too differently, all shifts of the
 /// face fade to nothing, again as far as it takes: the blocks are valid on their own. Where a spike bends the blocks'
 /// wall itself, its nodes are then led to a smoothed one. Before all that, except on round vessels, nodes of weak
-/// elements that lie more than a tenth of their edge off its even parts are moved there, where that is a gain. Nothing
-/// but the first is done where it makes elements beside worse than these, unless these are folded and all fade. Same
-/// bytes for any number of threads.
+/// elements that lie more than a tenth of their edge off its even parts are moved there, where that is a gain. No
+/// smoothed wall and no centre folds elements beside; no straight-sided element makes curved ones beside weak that lose
+/// more than it gains. Same bytes for any number of threads.
 /// \param wall_face [blocks] face that is wall, or -1
 /// \param shifts of all wall nodes
 RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
