@@ -2,10 +2,12 @@
 import json
 import math
 import pathlib
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 PROGRAM, MESHES = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
@@ -166,6 +168,18 @@ class Cli(unittest.TestCase):
             with self.subTest(" ".join(arguments)):
                 self.check_refused(arguments, named)
 
+    def test_interrupted(self):
+        for command, stop in ((["mesh", ILIAC, "-o", "a.msh", "-n", "40", "-p", "4"], signal.SIGINT),
+                              (["mesh", ILIAC, "-o", "a.vtu", "-n", "40", "-p", "4", "-q"], signal.SIGTERM)):
+            with self.subTest(command), subprocess.Popen([PROGRAM, *command], cwd=self.folder, text=True,
+                                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+                time.sleep(0.3)
+                process.send_signal(stop)
+                _, said = process.communicate(timeout=120)
+                self.assertEqual(process.returncode, 128 + stop)
+                self.assertRegex(said, r"\Avasohex: [^\n]*cancelled[^\n]*\n\Z")
+                self.assertEqual(self.files(), {})
+
     def test_output_that_cannot_be_replaced(self):
         (self.folder / "out.msh").mkdir()
         result = vasohex("mesh", HELIX, "-o", "out.msh", cwd=self.folder)
@@ -287,6 +301,11 @@ class Cli(unittest.TestCase):
             self.assertLess(math.hypot(x, y), 0.05)
             self.assertAlmostEqual(radius, 1, delta=0.03)
         self.assertEqual(sorted(round(z, 6) for _, _, z in skeleton["points"])[::len(skeleton["points"]) - 1], [0, 10])
+        # linear elements by default, smaller than curved ones
+        for order, elements in ((1, 10), (2, 6)):
+            self.run_well("mesh", "tube.off", "-o", "out.msh", "--order", order, "--json", "out.json")
+            figures = json.loads((self.folder / "out.json").read_text())
+            self.assertEqual(figures["elements"], figures["blocks"] * elements**3)
         # one given for the other, and facets
         self.run_well("mesh", "tube.swc", "--surface", "tube.off", "-o", "out.msh", "-n", "2")
         self.run_well("mesh", "tube.off", "--skeleton", "tube.json", "--facets", "-o", "out.msh", "-n", "2")

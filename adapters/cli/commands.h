@@ -10,7 +10,13 @@
 namespace vasohex::cli {
 
 /// What the process returns.
-enum ExitCode { done = 0, internal_error = 1, bad_input = 2, invalid_elements = 3 };
+enum ExitCode {
+  done = 0,
+  internal_error = 1,
+  bad_input = 2,
+  invalid_elements = 3,
+  interrupted = 128  ///< + the signal
+};
 
 /// Options of every command, and what they make of a Run.
 struct Common {
@@ -22,7 +28,7 @@ struct Common {
 
   /// Adds the common options; `run` is what the command does, called when all options are known.
   void add_to(CLI::App& command, std::function<void()> run);
-  /// Progress on a terminal (stderr), messages with -v.
+  /// Progress on a terminal (stderr), messages with -v; cancelled by the first SIGINT or SIGTERM.
   Run run() const;
   /// Wipes the progress line.
   void end_progress() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <new>
 
@@ -11,6 +12,22 @@
 #include "vasohex/core/error.h"
 
 namespace vasohex::cli {
+
+namespace {
+
+volatile std::sig_atomic_t caught_signal = 0;
+
+/// Stages are left at their next progress, and remove files half written; a second signal ends the process at once.
+void stop_at_signals() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, [](int caught) {
+      caught_signal = caught;
+      std::signal(caught, SIG_DFL);
+    });
+  }
+}
+
+}  // namespace
 
 void Common::add_to(CLI::App& command, std::function<void()> run) {
   command.add_option("--threads", threads, "Threads; 0: all cores. The result does not depend on it")
@@ -30,12 +47,12 @@ void Common::add_to(CLI::App& command, std::function<void()> run) {
 Run Common::run() const {
   Run run;
   run.threads = threads;
-  if (!quiet && isatty(STDERR_FILENO)) {
-    run.on_progress = [](std::string_view stage, double fraction) {
+  run.on_progress = [shown = !quiet && isatty(STDERR_FILENO)](std::string_view stage, double fraction) {
+    if (shown) {
       std::fprintf(stderr, "\r%-12.*s %3.0f %%", static_cast<int>(stage.size()), stage.data(), 100 * fraction);
-      return true;
-    };
-  }
+    }
+    return caught_signal == 0;
+  };
   if (verbose) {
     run.on_log = [](std::string_view line) {
       std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
@@ -83,7 +100,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "vasohex: structured hexahedral meshes of vascular networks, of any order, proven valid.\n"
       "Exit status: 0 done and valid, 1 internal error, 2 bad input or usage, 3 written but invalid elements "
-      "remain.",
+      "remain, 130 interrupted (128 + the signal).",
       "vasohex"};
   app.set_version_flag("--version", VASOHEX_VERSION);
   app.require_subcommand(1);
@@ -93,6 +110,7 @@ int main(int argc, char** argv) {
   add_info_command(app, common);
   add_skeleton_command(app, common);
   add_blocks_command(app, common);
+  stop_at_signals();
   try {
     app.parse(argc, argv);
     return common.exit_code;
@@ -105,6 +123,9 @@ int main(int argc, char** argv) {
   } catch (const vasohex::Error& e) {
     common.end_progress();
     std::fprintf(stderr, "vasohex: %s\n", e.what());
+    if (e.code() == vasohex::ErrorCode::cancelled) {
+      return interrupted + caught_signal;
+    }
     return e.code() == vasohex::ErrorCode::internal ? internal_error : bad_input;
   } catch (const std::bad_alloc&) {
     common.end_progress();
