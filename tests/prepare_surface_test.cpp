@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "errors.h"
@@ -429,6 +431,42 @@ TEST(WindingNumber, TellsInsideFromOutside) {
   EXPECT_NEAR(winding_number(s, {1, 1, 1}), 0, 1e-12);
   EXPECT_NEAR(winding_number(s, {0.2, 0.2, 1e-9}), 1, 1e-6);
   EXPECT_NEAR(winding_number(s, {0.2, 0.2, -1e-9}), 0, 1e-6);
+}
+
+/// Closed: `facets` around, caps with a point in the middle.
+TriSurface prism(int facets, double length) {
+  TriSurface s;
+  const int rows = 4;  // larger triangles than those of the caps: these are looked at first
+  for (int row = 0; row <= rows; ++row) {
+    for (int k = 0; k < facets; ++k) {
+      const double angle = 2 * std::numbers::pi * k / facets;
+      s.points.emplace_back(std::cos(angle), std::sin(angle), length * row / rows);
+    }
+  }
+  const auto at = [&](int row, int k) { return row * facets + k % facets; };
+  s.points.emplace_back(0, 0, 0);
+  s.points.emplace_back(0, 0, length);
+  const int bottom = facets * (rows + 1);
+  for (int k = 0; k < facets; ++k) {
+    for (int row = 0; row < rows; ++row) {
+      s.triangles.push_back({at(row, k), at(row, k + 1), at(row + 1, k + 1)});
+      s.triangles.push_back({at(row, k), at(row + 1, k + 1), at(row + 1, k)});
+    }
+    s.triangles.push_back({bottom, at(0, k + 1), at(0, k)});
+    s.triangles.push_back({bottom + 1, at(rows, k), at(rows, k + 1)});
+  }
+  return s;
+}
+
+TEST(PrepareSurface, TakesNoSideOfACoarseTubeForACap) {
+  for (const int facets : {8, 12, 15, 16, 17, 20, 24, 32}) {
+    for (const double length : {4.0, 6.0, 10.0}) {
+      SCOPED_TRACE(testing::Message() << facets << " facets, length " << length);
+      const PreparedSurface prepared = prepare_surface(prism(facets, length));
+      ASSERT_EQ(prepared.ends.size(), 2u);
+      EXPECT_NEAR(std::abs(prepared.ends[0].centre.z() - prepared.ends[1].centre.z()), length, 0.7);
+    }
+  }
 }
 
 }  // namespace

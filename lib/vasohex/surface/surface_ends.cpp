@@ -1,5 +1,6 @@
 #include "vasohex/surface/surface_ends.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -77,10 +78,26 @@ constexpr double kSteep = 0.5;
 constexpr double kAlike = 0.9;      // cosine: triangles of one cap, against the first one's normal
 constexpr double kBulge = 0.15;     // of the radius: a cap that is a flat cone (with a point in the middle) counts
 constexpr double kOffPlane = 0.15;  // of the radius: a cap's rim, bevelled by a grid
+constexpr double kNarrow = 0.45;  // width over length: the sides of tubes with few facets are strips as flat as caps
 
 bool is_end(const TriSurface& surface, const std::vector<int>& rim) {
   const Disc disc = disc_of(surface, cap_order(surface, rim));
   return rim.size() >= kFewest && disc.radius > 0 && steepness(surface, rim, disc.normal) > kSteep;
+}
+
+/// How wide what points enclose is, over how long: 1 of a circle.
+double width_over_length(const std::vector<Vec3>& points) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) {
+    mean += p / static_cast<double>(points.size());
+  }
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Vec3& p : points) {
+    covariance += (p - mean) * (p - mean).transpose();
+  }
+  const Vec3 spread =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues();
+  return std::sqrt(spread[1] / spread[2]);
 }
 
 /// The longest of the loops that half-edges form, whose triangles remain if what lies on their other side goes.
@@ -236,9 +253,14 @@ void drop_caps(TriSurface& surface, std::vector<std::string>& repairs) {
       members.push_back(t);
       known += area[t];
     }
-    const Disc disc = disc_of(surface, cap_order(surface, loop));
+    const std::vector<int> rim = cap_order(surface, loop);
+    const Disc disc = disc_of(surface, rim);
+    std::vector<Vec3> around;
+    for (const int p : rim) {
+      around.push_back(surface.points[p]);
+    }
     const double round = 4 * std::numbers::pi * known / (disc.perimeter * disc.perimeter);
-    if (round < 0.3 || disc.off_plane > kOffPlane * disc.radius) {
+    if (round < 0.3 || width_over_length(around) < kNarrow || disc.off_plane > kOffPlane * disc.radius) {
       continue;
     }
     for (const int t : members) {
