@@ -150,7 +150,7 @@ def main():
     small = (("Inputs of our own", OWN, (1, 2, 3, 5), []), ("Real vessels", REAL, (1, 2, 3), []),
              ("Boundary layers: 6 layers, the first 0.02 r, growth 1.3", LAYERED, (1, 2, 3), LAYERS))
     large = (("Large trees", TREES, (1, 2, 3), COARSE), ("Six elements per block edge", TREES, (1,), []),
-             ("Six elements per block edge, curved", TREES[:1], (2, 3), []),
+             ("Six elements per block edge, curved", TREES, (2, 3), []),
              ("Large graphs with loops, dense and derived skeletons", GRAPHS, (1, 3), COARSE))
     for title, cases, orders, options in large if args.large else small:
         lines += [f"## {title}", "", head]

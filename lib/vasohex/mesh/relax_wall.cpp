@@ -29,8 +29,9 @@ constexpr double kWorthIt = 0.05;  // gain of the scaled Jacobian
 class WallRelaxer {
  public:
   WallRelaxer(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
-              std::vector<WallShift> shifts, bool centres)
+              std::vector<WallShift> shifts, double centred_below)
       : mesh_(mesh),
+        centred_below_(centred_below),
         numbering_(numbering),
         wall_face_(wall_face),
         p_(mesh.order),
@@ -45,7 +46,7 @@ class WallRelaxer {
     bilinear_.assign(shifts_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     for_faces([&](const Patch& b, int u, int v) { add_bilinear(face_nodes(b, u, v)); });
     centring_.assign(shifts_.size(), Vec3::Zero());
-    if (centres && p_ > 1) {
+    if (p_ > 1) {
       for_faces([&](const Patch& b, int u, int v) { add_centring(face_nodes(b, u, v)); });
     }
   }
@@ -326,7 +327,7 @@ class WallRelaxer {
     const Column column = column_of(b, u, v, nodes);
     Quality now = quality(column, {});
     State state;
-    if (now.curved < kWeakOnWall && is_uneven(nodes)) {
+    if (now.curved < centred_below_ && is_uneven(nodes)) {
       const Quality then = quality(column, {0, true});
       if (then.curved > now.curved + kWorthIt && !harms_others(b, u, v, nodes, {0, true}, folds)) {
         state.centred = true;
@@ -453,6 +454,7 @@ class WallRelaxer {
   }
 
   HexMesh& mesh_;
+  double centred_below_;  ///< scaled Jacobian of elements whose nodes may be centred
   const LatticeNumbering& numbering_;
   const std::vector<int>& wall_face_;
   int p_, line_;
@@ -470,8 +472,9 @@ class WallRelaxer {
 
 RelaxedWall relax_wall(HexMesh& mesh, const LatticeNumbering& numbering, const std::vector<int>& wall_face,
                        std::vector<WallShift> shifts, const ImplicitSurface& surface, const Run& run) {
-  // blocks of round vessels stay what grids refined from them in process are, too
-  return WallRelaxer(mesh, numbering, wall_face, std::move(shifts), !surface.is_round()).run(surface, run);
+  // blocks of round vessels stay what grids refined from them in process are, too, unless they fold
+  const double centred_below = surface.is_round() ? 0 : kWeakOnWall;
+  return WallRelaxer(mesh, numbering, wall_face, std::move(shifts), centred_below).run(surface, run);
 }
 
 }  // namespace vasohex
