@@ -334,6 +334,9 @@ class WallRelaxer {
         now = then;
       }
     }
+    if (centred_below_ <= 0 && is_even(b, u, v, nodes)) {
+      return state;  // its shifts are not what is wrong
+    }
     if (now.curved < kWeakOnWall && p_ > 1) {
       double best = now.curved;
       for (int step = 1; step <= kSteps && best < kWeakOnWall; ++step) {

@@ -39,8 +39,8 @@ inline constexpr double kFoldedOnWall = 0.25;
 /// of the elements behind the face kWeakOnWall, or as good as it gets; corners of elements stay on the surface. Where
 /// that leaves it below kFoldedOnWall, since the corners themselves were shifted too differently, all shifts of the
 /// face fade to nothing, again as far as it takes: the blocks are valid on their own. Where a spike bends the blocks'
-/// wall itself, its nodes are then led to a smoothed one. Before all that, nodes of weak
-/// (on round vessels: folded) elements that lie more than a tenth of their edge off its even parts are moved there, where that is a gain. No
+/// wall itself, its nodes are then led to a smoothed one. Before all that, nodes of weak elements (on round vessels: of
+/// folded ones) that lie more than a tenth of their edge off its even parts are moved there, where that is a gain. No
 /// smoothed wall and no centre folds elements beside; no straight-sided element makes curved ones beside weak that lose
 /// more than it gains. Same bytes for any number of threads.
 /// \param wall_face [blocks] face that is wall, or -1
